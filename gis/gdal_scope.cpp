@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "gis/gdal_scope.hpp"
+
+#include <cpl_error.h>
+#include <gdal_priv.h>
+#include <ogrsf_frmts.h>
+
+#include <mutex>
+
+namespace scree::gis {
+
+void collect_gdal_message(int severity, const char* text) {
+    auto* scope = static_cast<GdalScope*>(CPLGetErrorHandlerUserData());
+    if (severity < CE_Warning) return;
+    scope->messages_.emplace_back(text);
+    if (severity >= CE_Failure) scope->last_error_ = text;
+}
+
+namespace {
+void CPL_STDCALL handler(CPLErr severity, CPLErrorNum, const char* text) { collect_gdal_message(severity, text); }
+}  // namespace
+
+GdalScope::GdalScope() {
+    static std::once_flag once;
+    std::call_once(once, [] { GDALAllRegister(); });
+    CPLPushErrorHandlerEx(handler, this);
+}
+
+GdalScope::~GdalScope() { CPLPopErrorHandler(); }
+
+std::string GdalScope::reason() const { return last_error_.empty() ? std::string() : "; GDAL says: " + last_error_; }
+
+void GdalScope::clear() {
+    messages_.clear();
+    last_error_.clear();
+}
+
+}  // namespace scree::gis
