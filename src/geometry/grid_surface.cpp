@@ -1,0 +1,175 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "geometry/patch_builder.hpp"
+#include "scree/base/error.hpp"
+#include "scree/geometry/surface.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+namespace scree {
+
+namespace {
+
+class GridSurface final : public Surface {
+public:
+    GridSurface(Grid<double> heights, std::vector<SoilId> soil) : heights_(std::move(heights)), soil_(std::move(soil)) {
+        if (heights_.shape.columns < 2 || heights_.shape.rows < 2)
+            throw InputError("the terrain has " + std::to_string(heights_.shape.columns) + " x " + std::to_string(heights_.shape.rows) +
+                             " cells; a surface needs at least 2 x 2: take a larger DTM or a finer resolution");
+        SCREE_ASSERT(soil_.size() == grid_facet_count(heights_.shape));
+    }
+
+    Box2 bounds() const override { return {node2(0, 0), node2(heights_.shape.columns - 1, heights_.shape.rows - 1)}; }
+
+    std::int64_t facet_count() const override { return static_cast<std::int64_t>(soil_.size()); }
+
+    bool facet(std::int64_t f, std::array<Vec3, 3>& corners, SoilId& soil) const override {
+        const std::int64_t cell = f / 2;
+        const int i = static_cast<int>(cell % (heights_.shape.columns - 1));
+        const int j = static_cast<int>(cell / (heights_.shape.columns - 1));
+        corners = f % 2 == 0 ? std::array{node(i, j), node(i + 1, j), node(i, j + 1)}
+                             : std::array{node(i + 1, j), node(i + 1, j + 1), node(i, j + 1)};
+        soil = soil_[static_cast<std::size_t>(f)];
+        return std::isfinite(corners[0].z() + corners[1].z() + corners[2].z());
+    }
+
+    std::int64_t facet_at(const Vec2& p) const override {
+        if (!bounds().contains(p)) return -1;
+        const Vec2 u = (p - node2(0, 0)) / heights_.shape.cell;
+        const int i = std::min(static_cast<int>(u.x()), heights_.shape.columns - 2);
+        const int j = std::min(static_cast<int>(u.y()), heights_.shape.rows - 2);
+        const std::int64_t f = facet_number(i, j) + ((u.x() - i) + (u.y() - j) > 1.0 ? 1 : 0);
+        return valid(f) ? f : -1;
+    }
+
+    void gather(const Box2& box, TerrainPatch& patch) const override;
+
+private:
+    Vec2 node2(int i, int j) const { return heights_.shape.centre(i, j); }
+    Vec3 node(int i, int j) const {
+        const Vec2 p = node2(i, j);
+        return {p.x(), p.y(), heights_.at(i, j)};
+    }
+    std::int64_t facet_number(int i, int j) const { return 2 * (static_cast<std::int64_t>(j) * (heights_.shape.columns - 1) + i); }
+    bool valid(std::int64_t f) const {
+        std::array<Vec3, 3> corners;
+        SoilId soil = 0;
+        return facet(f, corners, soil);
+    }
+    void gather_edges(int i, int j, TerrainPatch& patch) const;
+    void add_edge(std::pair<int, int> a, std::pair<int, int> b, std::pair<int, int> left, std::pair<int, int> right,
+                  std::int64_t left_facet, std::int64_t right_facet, std::int64_t id, TerrainPatch& patch) const;
+    void gather_node(int i, int j, TerrainPatch& patch) const;
+
+    Grid<double> heights_;
+    std::vector<SoilId> soil_;
+};
+
+void GridSurface::gather(const Box2& box, TerrainPatch& patch) const {
+    patch.clear();
+    patch.box = box;
+    const GridShape& shape = heights_.shape;
+    const Vec2 first = node2(0, 0);
+    const int i0 = static_cast<int>(std::clamp(std::floor((box.min.x() - first.x()) / shape.cell), 0.0, double(shape.columns - 1)));
+    const int j0 = static_cast<int>(std::clamp(std::floor((box.min.y() - first.y()) / shape.cell), 0.0, double(shape.rows - 1)));
+    const int i1 = static_cast<int>(std::clamp(std::ceil((box.max.x() - first.x()) / shape.cell), 0.0, double(shape.columns - 1)));
+    const int j1 = static_cast<int>(std::clamp(std::ceil((box.max.y() - first.y()) / shape.cell), 0.0, double(shape.rows - 1)));
+
+    patch.bin_origin = node2(i0, j0);
+    patch.bin_size = shape.cell;
+    patch.bin_columns = i1 - i0;
+    patch.bin_rows = j1 - j0;
+    patch.bin_start.push_back(0);
+    for (int j = j0; j < j1; ++j) {
+        for (int i = i0; i < i1; ++i) {
+            for (std::int64_t f = facet_number(i, j); f < facet_number(i, j) + 2; ++f) {
+                std::array<Vec3, 3> corners;
+                SoilId soil = 0;
+                if (!facet(f, corners, soil)) continue;
+                patch.bin_facets.push_back(static_cast<std::int32_t>(patch.facets.size()));
+                patch.facets.push_back(make_patch_facet(corners, soil, f));
+            }
+            patch.bin_start.push_back(static_cast<std::int32_t>(patch.bin_facets.size()));
+        }
+    }
+
+    std::vector<Vec3> corners;
+    corners.reserve(static_cast<std::size_t>((i1 - i0 + 1) * (j1 - j0 + 1)));
+    for (int j = j0; j <= j1; ++j) {
+        for (int i = i0; i <= i1; ++i) {
+            if (std::isfinite(heights_.at(i, j))) corners.push_back(node(i, j));
+            gather_edges(i, j, patch);
+            gather_node(i, j, patch);
+        }
+    }
+    patch.finish(corners);
+}
+
+// The three edges that start at node (i, j): east, north, and the diagonal from (i, j+1) to (i+1, j).
+void GridSurface::gather_edges(int i, int j, TerrainPatch& patch) const {
+    const GridShape& shape = heights_.shape;
+    const std::int64_t id = 3 * static_cast<std::int64_t>(shape.index(i, j));
+    if (i + 1 < shape.columns && j > 0 && j + 1 < shape.rows)
+        add_edge({i, j}, {i + 1, j}, {i, j + 1}, {i + 1, j - 1}, facet_number(i, j), facet_number(i, j - 1) + 1, id, patch);
+    if (j + 1 < shape.rows && i > 0 && i + 1 < shape.columns)
+        add_edge({i, j}, {i, j + 1}, {i - 1, j + 1}, {i + 1, j}, facet_number(i - 1, j) + 1, facet_number(i, j), id + 1, patch);
+    if (i + 1 < shape.columns && j + 1 < shape.rows)
+        add_edge({i + 1, j}, {i, j + 1}, {i, j}, {i + 1, j + 1}, facet_number(i, j), facet_number(i, j) + 1, id + 2, patch);
+}
+
+void GridSurface::add_edge(std::pair<int, int> a, std::pair<int, int> b, std::pair<int, int> left, std::pair<int, int> right,
+                           std::int64_t left_facet, std::int64_t right_facet, std::int64_t id, TerrainPatch& patch) const {
+    PatchEdge e;
+    e.a = node(a.first, a.second);
+    e.b = node(b.first, b.second);
+    e.beyond = {node(left.first, left.second), node(right.first, right.second)};
+    if (!std::isfinite(e.a.z() + e.b.z() + e.beyond[0].z() + e.beyond[1].z())) return;  // a rim has no facet to fall away to
+    e.normal[0] = (e.b - e.a).cross(e.beyond[0] - e.a).normalized();
+    if (!is_crest(e.normal[0], e.a, e.beyond[1])) return;
+    e.normal[1] = (e.a - e.b).cross(e.beyond[1] - e.b).normalized();
+    e.soil = {soil_[static_cast<std::size_t>(left_facet)], soil_[static_cast<std::size_t>(right_facet)]};
+    e.id = id;
+    patch.edges.push_back(e);
+}
+
+// A node can poke into a face only if at least three crests meet in it: its cone of normals then has an inside.
+void GridSurface::gather_node(int i, int j, TerrainPatch& patch) const {
+    const GridShape& shape = heights_.shape;
+    if (i == 0 || j == 0 || i + 1 == shape.columns || j + 1 == shape.rows) return;
+    // neighbours counter-clockwise, with the facet counter-clockwise of each spoke
+    const std::array<std::pair<int, int>, 6> ring{{{i + 1, j}, {i, j + 1}, {i - 1, j + 1}, {i - 1, j}, {i, j - 1}, {i + 1, j - 1}}};
+    const std::array<std::int64_t, 6> facets{facet_number(i, j),         facet_number(i - 1, j) + 1, facet_number(i - 1, j),
+                                             facet_number(i - 1, j - 1) + 1, facet_number(i, j - 1),     facet_number(i, j - 1) + 1};
+    const Vec3 centre = node(i, j);
+    std::array<Vec3, 6> spoke;
+    double finite = centre.z();
+    for (std::size_t k = 0; k < 6; ++k) {
+        spoke[k] = node(ring[k].first, ring[k].second) - centre;
+        finite += spoke[k].z();
+    }
+    if (!std::isfinite(finite)) return;
+    int crests = 0;
+    std::array<Vec3, 6> normal;
+    for (std::size_t k = 0; k < 6; ++k) {
+        normal[k] = spoke[k].cross(spoke[(k + 1) % 6]).normalized();
+        crests += is_crest(normal[k], Vec3::Zero(), spoke[(k + 2) % 6]) ? 1 : 0;
+    }
+    if (crests < 3) return;
+    PatchNode n;
+    n.position = centre;
+    n.first = static_cast<std::int32_t>(patch.spokes.size());
+    n.count = 6;
+    n.id = static_cast<std::int64_t>(shape.index(i, j));
+    for (std::size_t k = 0; k < 6; ++k)
+        patch.spokes.push_back({spoke[k].normalized(), normal[k], soil_[static_cast<std::size_t>(facets[k])]});
+    patch.nodes.push_back(n);
+}
+
+}  // namespace
+
+std::unique_ptr<Surface> make_grid_surface(Grid<double> heights, std::vector<SoilId> soil) {
+    return std::make_unique<GridSurface>(std::move(heights), std::move(soil));
+}
+
+}  // namespace scree

@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include "scree/geometry/surface.hpp"
+
+#include <cmath>
+
+namespace scree {
+
+/// A facet for the patch from its corners, counter-clockwise from above.
+inline PatchFacet make_patch_facet(const std::array<Vec3, 3>& c, SoilId soil, std::int64_t id) {
+    PatchFacet f;
+    f.normal = (c[1] - c[0]).cross(c[2] - c[0]).normalized();
+    f.offset = f.normal.dot(c[0]);
+    for (std::size_t k = 0; k < 3; ++k) {
+        const Vec3& a = c[k];
+        const Vec3& b = c[(k + 1) % 3];
+        const double dx = b.x() - a.x(), dy = b.y() - a.y();
+        const double length = std::hypot(dx, dy);
+        f.side[k] = Vec3(-dy, dx, dy * a.x() - dx * a.y()) / length;
+    }
+    f.id = static_cast<std::int32_t>(id);
+    f.soil = soil;
+    return f;
+}
+
+/// True if the far corner of the other facet lies below the first facet's plane by more than the crest angle.
+inline bool is_crest(const Vec3& normal, const Vec3& on_edge, const Vec3& beyond) {
+    const Vec3 d = beyond - on_edge;
+    return normal.dot(d) < -kCrestAngle * d.norm();
+}
+
+}  // namespace scree

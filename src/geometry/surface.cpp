@@ -1,0 +1,71 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "scree/geometry/surface.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace scree {
+
+void TerrainPatch::clear() {
+    facets.clear();
+    edges.clear();
+    nodes.clear();
+    spokes.clear();
+    bin_start.clear();
+    bin_facets.clear();
+    bin_columns = bin_rows = 0;
+}
+
+std::span<const std::int32_t> TerrainPatch::facets_near(const Vec2& p) const {
+    const double column = std::floor((p.x() - bin_origin.x()) / bin_size);
+    const double row = std::floor((p.y() - bin_origin.y()) / bin_size);
+    if (!(column >= 0.0 && row >= 0.0 && column < bin_columns && row < bin_rows)) return {};
+    const auto bin = static_cast<std::size_t>(row) * static_cast<std::size_t>(bin_columns) + static_cast<std::size_t>(column);
+    const auto first = static_cast<std::size_t>(bin_start[bin]);
+    const auto last = static_cast<std::size_t>(bin_start[bin + 1]);
+    return std::span(bin_facets).subspan(first, last - first);
+}
+
+const PatchFacet* TerrainPatch::facet_at(const Vec2& p) const {
+    const PatchFacet* best = nullptr;
+    double best_inset = -1e-9;  // a point on a side belongs to either facet: take the one it is deeper in
+    for (const std::int32_t f : facets_near(p)) {
+        const PatchFacet& candidate = facets[static_cast<std::size_t>(f)];
+        const double inset = candidate.inset(p);
+        if (inset > best_inset) {
+            best_inset = inset;
+            best = &candidate;
+        }
+    }
+    return best;
+}
+
+void TerrainPatch::finish(std::span<const Vec3> corners) {
+    Vec3 sum = Vec3::Zero();
+    for (const PatchFacet& f : facets) sum += f.normal;
+    plane_normal = facets.empty() ? Vec3::UnitZ() : Vec3(sum.normalized());
+    plane_offset = -kInfinity;
+    for (const Vec3& c : corners) plane_offset = std::max(plane_offset, plane_normal.dot(c));
+}
+
+double Surface::height(const Vec2& p) const {
+    const std::int64_t f = facet_at(p);
+    std::array<Vec3, 3> c;
+    SoilId soil = 0;
+    if (f < 0 || !facet(f, c, soil)) return kNaN;
+    const Vec3 n = (c[1] - c[0]).cross(c[2] - c[0]);
+    return c[0].z() - (n.x() * (p.x() - c[0].x()) + n.y() * (p.y() - c[0].y())) / n.z();
+}
+
+Vec3 Surface::normal(const Vec2& p) const {
+    const std::int64_t f = facet_at(p);
+    std::array<Vec3, 3> c;
+    SoilId soil = 0;
+    SCREE_ASSERT(f >= 0);
+    const bool valid = facet(f, c, soil);
+    SCREE_ASSERT(valid);
+    static_cast<void>(valid);
+    return (c[1] - c[0]).cross(c[2] - c[0]).normalized();
+}
+
+}  // namespace scree

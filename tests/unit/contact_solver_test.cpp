@@ -1,0 +1,146 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "scree/dynamics/contact_solver.hpp"
+
+#include "scree/base/random.hpp"
+#include "scree/geometry/types.hpp"
+#include "support/paths.hpp"
+#include "support/rfc3d.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+namespace scree {
+
+namespace {
+
+/// A rigid body with random inertia touched at random points from below, moving into the ground.
+template <int Dim>
+ContactProblem<Dim> random_problem(RandomStream& random, int contacts) {
+    constexpr int L = kLocalSize<Dim>;
+    constexpr int dof = Dim == 3 ? 6 : 3;
+    Eigen::MatrixXd G = Eigen::MatrixXd::Zero(dof, L * contacts);  // generalised directions of the local components
+    for (int c = 0; c < contacts; ++c) {
+        Eigen::MatrixXd block = Eigen::MatrixXd::Zero(dof, L);
+        if constexpr (Dim == 3) {
+            Vec3 n(random.uniform(-0.6, 0.6), random.uniform(-0.6, 0.6), 1.0);
+            n.normalize();
+            const Vec3 t1 = n.cross(Vec3::UnitX()).normalized(), t2 = n.cross(t1);
+            const Vec3 arm(random.uniform(-0.5, 0.5), random.uniform(-0.5, 0.5), random.uniform(-0.5, -0.1));
+            const Vec3 axes[3] = {n, t1, t2};
+            for (int k = 0; k < 3; ++k) {
+                block.block<3, 1>(0, k) = axes[k];
+                block.block<3, 1>(3, k) = arm.cross(axes[k]);
+            }
+            block.block<3, 1>(3, 3) = t1;
+            block.block<3, 1>(3, 4) = t2;
+        } else {
+            const double angle = random.uniform(-0.6, 0.6);
+            const Vec2 n(-std::sin(angle), std::cos(angle)), t(n.y(), -n.x());
+            const Vec2 arm(random.uniform(-0.5, 0.5), random.uniform(-0.5, -0.1));
+            const Vec2 axes[2] = {n, t};
+            for (int k = 0; k < 2; ++k) {
+                block.block<2, 1>(0, k) = axes[k];
+                block(2, k) = arm.x() * axes[k].y() - arm.y() * axes[k].x();
+            }
+            block(2, 2) = 1.0;
+        }
+        G.middleCols(L * c, L) = block;
+    }
+    const double mass = std::exp(random.uniform(2.0, 8.0));
+    Eigen::VectorXd inverse_mass(dof), velocity(dof);
+    for (int k = 0; k < dof; ++k) {
+        inverse_mass[k] = 1.0 / (k < Dim ? mass : mass * random.uniform(0.03, 0.15));
+        velocity[k] = random.uniform(-3.0, 3.0) - (k == Dim - 1 ? 3.0 : 0.0);
+    }
+    ContactProblem<Dim> problem;
+    problem.resize(contacts);
+    problem.delassus = G.transpose() * inverse_mass.asDiagonal() * G;
+    problem.free_velocity = G.transpose() * velocity;
+    for (int c = 0; c < contacts; ++c) {
+        problem.friction[static_cast<std::size_t>(c)] = random.uniform(0.0, 1.2);
+        problem.rolling[static_cast<std::size_t>(c)] = random.uniform(0.0, 0.2);
+    }
+    return problem;
+}
+
+/// Impulses in the cone, residual below tolerance, and energy not gained: p.(u_before + u_after)/2 <= 0.
+template <int Dim>
+void check_random_problems(int contacts, int count, double tolerance) {
+    RandomStream random(99, static_cast<std::uint64_t>(contacts), RandomPurpose::Effect);
+    ContactSolverSettings settings;
+    settings.tolerance = tolerance;
+    int failed = 0;
+    for (int k = 0; k < count; ++k) {
+        const ContactProblem<Dim> problem = random_problem<Dim>(random, contacts);
+        Eigen::VectorXd p = Eigen::VectorXd::Zero(problem.free_velocity.size());
+        const ContactSolverReport report = solve_contacts(problem, settings, p);
+        if (report.status != SolverStatus::Converged) {
+            ++failed;
+            continue;
+        }
+        EXPECT_LE(natural_map_residual(problem, p), 20 * tolerance) << "problem " << k;
+        constexpr int T = Dim - 1;
+        for (int c = 0; c < contacts; ++c) {
+            const Eigen::Index n = c * kLocalSize<Dim>;
+            EXPECT_GE(p[n], 0.0);
+            EXPECT_LE(p.template segment<T>(n + 1).norm(), problem.friction[static_cast<std::size_t>(c)] * p[n] * (1 + 1e-12) + 1e-12);
+            EXPECT_LE(p.template segment<T>(n + 1 + T).norm(), problem.rolling[static_cast<std::size_t>(c)] * p[n] * (1 + 1e-12) + 1e-12);
+        }
+        const Eigen::VectorXd& before = problem.free_velocity;
+        const Eigen::VectorXd after = problem.delassus * p + before;
+        const double scale = p.cwiseAbs().dot(before.cwiseAbs()) + 1e-12;
+        EXPECT_LE(0.5 * p.dot(before + after), tolerance * scale) << "problem " << k;
+    }
+    EXPECT_EQ(failed, 0) << "of " << count << " problems with " << contacts << " contacts";
+}
+
+}  // namespace
+
+TEST(ContactSolver, RandomProblemsOneContact3D) { check_random_problems<3>(1, 20000, 1e-10); }
+TEST(ContactSolver, RandomProblemsTwoContacts3D) { check_random_problems<3>(2, 5000, 1e-10); }
+TEST(ContactSolver, RandomProblemsThreeContacts3D) { check_random_problems<3>(3, 3000, 1e-10); }
+TEST(ContactSolver, RandomProblemsFiveContacts3D) { check_random_problems<3>(5, 1000, 1e-10); }
+TEST(ContactSolver, RandomProblemsOneContact2D) { check_random_problems<2>(1, 20000, 1e-10); }
+TEST(ContactSolver, RandomProblemsTwoContacts2D) { check_random_problems<2>(2, 5000, 1e-10); }
+TEST(ContactSolver, RandomProblemsFourContacts2D) { check_random_problems<2>(4, 1000, 1e-10); }
+
+TEST(ContactSolver, ProjectionIsTheNearestPointOfTheCone) {
+    RandomStream random(5, 0, RandomPurpose::Effect);
+    for (int k = 0; k < 2000; ++k) {
+        Eigen::Matrix<double, 5, 1> p, other;
+        for (int i = 0; i < 5; ++i) p[i] = random.uniform(-1, 1);
+        const double mu = random.uniform(0.0, 1.5), mu_r = random.uniform(0.0, 1.5);
+        const auto x = project_on_cone<3>(p, mu, mu_r);
+        ASSERT_GE(x[0], 0.0);
+        ASSERT_LE(x.segment<2>(1).norm(), mu * x[0] + 1e-12);
+        ASSERT_LE(x.segment<2>(3).norm(), mu_r * x[0] + 1e-12);
+        for (int j = 0; j < 20; ++j) {  // variational inequality against points of the cone
+            other[0] = random.uniform(0.0, 2.0);
+            for (int i = 1; i < 5; ++i) other[i] = random.uniform(-1, 1);
+            other.segment<2>(1) *= mu * other[0] / std::max(other.segment<2>(1).norm(), mu * other[0] + 1e-30);
+            other.segment<2>(3) *= mu_r * other[0] / std::max(other.segment<2>(3).norm(), mu_r * other[0] + 1e-30);
+            ASSERT_LE((p - x).dot(other - x), 1e-9);
+        }
+    }
+}
+
+TEST(ContactSolver, ReferenceProblemsTo1em10) {
+    SCREE_SHARED_OR_SKIP(folder, "reference/rfc3d");
+    int read = 0;
+    for (const auto& entry : std::filesystem::directory_iterator(folder)) {
+        if (entry.path().extension() != ".dat") continue;
+        const ContactProblem<3> problem = test::read_rfc3d(entry.path());
+        Eigen::VectorXd p = Eigen::VectorXd::Zero(problem.free_velocity.size());
+        ContactSolverSettings settings;
+        settings.tolerance = 1e-11;
+        settings.sweeps = 5000;
+        const ContactSolverReport report = solve_contacts(problem, settings, p);
+        EXPECT_LE(natural_map_residual(problem, p), 1e-10)
+            << entry.path() << " sweeps " << report.sweeps << " newton " << report.newton_iterations << " residual " << report.residual;
+        ++read;
+    }
+    EXPECT_GT(read, 0);
+}
+
+}  // namespace scree
