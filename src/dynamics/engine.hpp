@@ -1,0 +1,485 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include "dynamics/contact_step.hpp"
+#include "dynamics/rigid_motion.hpp"
+#include "scree/base/assert.hpp"
+#include "scree/dynamics/trajectory.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+#include <vector>
+
+namespace scree {
+
+/// The motion of one block from release to its end, written once for both dimensions.
+///
+/// `Contacts` finds what touches. It offers
+///     detect(position, rotation, reach, contacts)   all contacts with gap <= reach
+///     clearance(position, rotation)                 a cheap lower bound of every gap
+///     over_terrain(position), radius(), inner_radius()
+///
+/// Event mode, each turn of the loop:
+///   no contact closed   fly: exact parabola and torque-free rotation up to the moment when a gap closes;
+///   fast approach       impact: impulses at standing time, restitution applies;
+///   else                one step in contact, cut short where another contact closes.
+template <int Dim, class Contacts>
+class Engine {
+public:
+    using Vec = typename Space<Dim>::Vec;
+    using Spin = typename Space<Dim>::Spin;
+    using State = BlockState<Dim>;
+
+    Engine(const BodyInertia<Dim>& body, Contacts& contacts, std::span<const Soil> soils, const DynamicsSettings& settings,
+           MotionSink<Dim>* sink)
+        : body_(body), finder_(contacts), settings_(settings), sink_(sink), step_(body, soils, settings.solver) {
+        gravity_ = -settings.gravity * Vec::Unit(Dim - 1);
+    }
+
+    TrajectoryEnd<Dim> run(const State& release) {
+        state_ = release;
+        end_.energy_start = energy(state_);
+        if (!finder_.over_terrain(state_.position)) {
+            finish(StopReason::LeftTerrain);
+        } else if (settings_.mode == SteppingMode::Event) {
+            run_events();
+        } else {
+            run_moreau_jean();
+        }
+        end_.time = time_;
+        end_.state = state_;
+        end_.energy_end = energy(state_);
+        return end_;
+    }
+
+private:
+    // ---- event mode ----------------------------------------------------------------------------------------------------------
+
+    void run_events() {
+        finder_.detect(state_.position, rotation_matrix(state_.orientation), settings_.activation_gap, closed_);
+        while (!finished_) {
+            if (closed_.empty()) {
+                fly();
+            } else if (!impact()) {
+                step_in_contact();
+            }
+            check();
+        }
+    }
+
+    /// Free flight until a gap closes, the terrain ends or time is up.
+    void fly() {
+        State now = state_;
+        double flown = 0.0;
+        MotionSegment<Dim> motion = begin_segment(false);
+        while (!finished_) {
+            const double dt = std::min(flight_interval(now), settings_.time_limit - time_ - flown);
+            State next = flown_state(now, dt);
+            ++end_.counters.flight_evaluations;
+            double advance = dt;
+            bool landed = false;
+            if (finder_.clearance(next.position, rotation_matrix(next.orientation)) <= 0.0 && smallest_gap(next, found_) <= 0.0) {
+                landed = true;
+                const std::optional<double> at = closing_time(now, next, dt);
+                if (at) {
+                    advance = *at;
+                    next = flown_state(now, advance);
+                }
+                smallest_gap(next, found_);
+            }
+            if (!finder_.over_terrain(next.position)) {
+                advance = rim_time(now, advance);
+                next = flown_state(now, advance);
+                finish(StopReason::LeftTerrain);
+            }
+            flown += advance;
+            now = next;
+            motion.spin_end = std::max(motion.spin_end, now.spin.norm());
+            if (time_ + flown >= settings_.time_limit) finish(StopReason::TimeLimit);
+            if (landed && !finished_) {
+                close_contacts(settings_.activation_gap);
+                if (!closed_.empty()) break;
+            }
+        }
+        state_ = now;
+        end_segment(motion, flown);
+    }
+
+    /// Longest interval in which nothing can be missed: safe by the clearance and the fastest point of the block, at least a fraction of the block's
+    /// thickness, so that a crest cannot pass through it unseen.
+    double flight_interval(const State& s) {
+        const double fastest = s.velocity.norm() + s.spin.norm() * finder_.radius();
+        const double clearance = finder_.clearance(s.position, rotation_matrix(s.orientation));
+        const double smallest = std::min(settings_.flight_step, kUnseenShare * finder_.inner_radius() / std::max(fastest, 0.1));
+        if (!(clearance > 0.0)) return smallest;
+        // clearance = fastest t + g t^2 / 2; half a radius sideways stays over the same patch of terrain
+        const double g = settings_.gravity;
+        const double reach = std::min(clearance, 0.5 * finder_.radius());
+        const double safe = 2.0 * reach / (fastest + std::sqrt(fastest * fastest + 2.0 * g * reach));
+        return std::clamp(safe, smallest, 0.25);
+    }
+
+    State flown_state(const State& s, double dt) const {
+        State next = s;
+        next.position = s.position + dt * s.velocity + 0.5 * dt * dt * gravity_;
+        next.velocity = s.velocity + dt * gravity_;
+        rotate_freely(body_.moment, settings_.flight_step, dt, next.orientation, next.spin);
+        return next;
+    }
+
+    double smallest_gap(const State& s, std::vector<Contact<Dim>>& contacts) {
+        finder_.detect(s.position, rotation_matrix(s.orientation), settings_.release_gap, contacts);
+        double smallest = settings_.release_gap;
+        for (const auto& c : contacts) smallest = std::min(smallest, c.gap);
+        return smallest;
+    }
+
+    /// When, between `before` (open) and `after` (overlapping, dt later), the first gap closes to within the activation gap. Nothing if it was already
+    /// closed at the start.
+    std::optional<double> closing_time(const State& before, const State& after, double dt) {
+        double low = 0.0, high = dt;
+        double gap_low = wide_gap(before, dt), gap_high = wide_gap(after, dt);
+        if (gap_low <= 0.0) return std::max(dt / 16.0, kShortestFlight);
+        for (int k = 0; k < 40 && high - low > kShortestFlight; ++k) {
+            // secant in the first tries, then halving: the gap is continuous but for terrain that comes into reach
+            double t = low + (high - low) * gap_low / (gap_low - gap_high);
+            if (k % 3 == 2) t = 0.5 * (low + high);
+            const double gap = wide_gap(flown_state(before, t), dt);
+            if (std::abs(gap) <= 0.5 * settings_.activation_gap) return t;
+            (gap > 0.0 ? low : high) = t;
+            (gap > 0.0 ? gap_low : gap_high) = gap;
+        }
+        return high;
+    }
+
+    /// Smallest gap, looking as far as the block can move in dt.
+    double wide_gap(const State& s, double dt) {
+        const double reach = 1e-3 + 2.0 * dt * (s.velocity.norm() + s.spin.norm() * finder_.radius());
+        finder_.detect(s.position, rotation_matrix(s.orientation), reach, found_);
+        double smallest = reach;
+        for (const auto& c : found_) smallest = std::min(smallest, c.gap);
+        return smallest;
+    }
+
+    /// When the centre of mass leaves the terrain within the interval, by bisection.
+    double rim_time(const State& s, double dt) {
+        double low = 0.0, high = dt;
+        for (int k = 0; k < 30; ++k) {
+            const double mid = 0.5 * (low + high);
+            (finder_.over_terrain(flown_state(s, mid).position) ? low : high) = mid;
+        }
+        return high;
+    }
+
+    /// found_ becomes closed_, with the gaps up to `gap` for new contacts and up to the release gap for those that were closed before.
+    void close_contacts(double gap) {
+        previous_.swap(closed_);
+        closed_.clear();
+        for (const auto& c : found_) {
+            const bool was_closed = std::any_of(previous_.begin(), previous_.end(), [&](const Contact<Dim>& p) { return same_pair(p.key, c.key); });
+            if (c.gap <= (was_closed ? settings_.release_gap : gap)) closed_.push_back(c);
+        }
+    }
+
+    /// Impulses at standing time if a closed contact approaches fast. Newton's law with friction can create energy (Kane's paradox): the restitution
+    /// of the impact is then lowered to the largest share of e, within 1/64, that does not.
+    bool impact() {
+        step_.set_contacts(closed_, rotation_matrix(state_.orientation));
+        bool fast = false;
+        for (std::size_t c = 0; c < closed_.size(); ++c) fast = fast || step_.normal_velocity(c, state_) < -settings_.impact_speed;
+        if (!fast) return false;
+        ++end_.counters.impacts;
+        const double before = kinetic_energy(body_, state_);
+        RestitutionRule rule{1.0, settings_.restitution_threshold};
+        State after = state_;
+        count(step_.solve(0.0, Vec::Zero(), rule, after));
+        if (kinetic_energy(body_, after) > before * (1.0 + kEnergyTolerance)) {
+            ++end_.counters.restitution_capped;
+            double low = 0.0, high = 1.0;
+            for (int k = 0; k < 6; ++k) {
+                rule.factor = 0.5 * (low + high);
+                State trial = state_;
+                count(step_.solve(0.0, Vec::Zero(), rule, trial));
+                (kinetic_energy(body_, trial) > before * (1.0 + kEnergyTolerance) ? high : low) = rule.factor;
+            }
+            rule.factor = low;
+            after = state_;
+            count(step_.solve(0.0, Vec::Zero(), rule, after));
+        }
+        const double energy_before = energy(state_);
+        state_ = after;
+        cap_energy(energy_before);
+        if (++impacts_in_a_row_ > kImpactsInARow) finish(StopReason::Failed);
+        return true;
+    }
+
+    /// One step with the closed contacts, not beyond the moment when another contact closes.
+    void step_in_contact() {
+        impacts_in_a_row_ = 0;
+        const State before = state_;
+        const double energy_before = energy(before);
+        double h = std::min(settings_.time_step, std::max(settings_.time_limit - time_, 1e-9));
+        step_.set_contacts(closed_, rotation_matrix(before.orientation));
+        State after = moved(before, h);
+        double overlap = new_overlap(after);
+        if (overlap > settings_.activation_gap) {
+            ++end_.counters.shortened_steps;
+            h = shortened(before, after, h);
+            after = moved(before, h);
+            new_overlap(after);
+        }
+        ++end_.counters.contact_steps;
+        MotionSegment<Dim> motion = begin_segment(true);
+        state_ = after;
+        close_contacts(settings_.activation_gap);
+        double depth = 0.0;
+        for (const auto& c : closed_) depth = std::max(depth, -c.gap);
+        end_.counters.add_penetration(depth);
+        if (depth > kPenetrationSlop) push_out(energy_before);
+        cap_energy(energy_before);
+        end_segment(motion, h);
+        if (!finder_.over_terrain(state_.position)) finish(StopReason::LeftTerrain);
+        if (time_ >= settings_.time_limit) finish(StopReason::TimeLimit);
+        if (!finished_) look_for_rest(h);
+    }
+
+    /// Solves for the velocities over h and moves with the mean velocity (theta = 1/2).
+    State moved(const State& before, double h) {
+        State after = before;
+        count(step_.solve(h, gravity_, RestitutionRule{}, after));
+        after.position = before.position + 0.5 * h * (before.velocity + after.velocity);
+        after.orientation = turned(before.orientation, Spin(0.5 * h * (before.spin + after.spin)));
+        return after;
+    }
+
+    /// Deepest overlap of contacts that were not closed during the step; found_ holds all contacts of the pose.
+    double new_overlap(const State& s) {
+        finder_.detect(s.position, rotation_matrix(s.orientation), settings_.release_gap, found_);
+        double deepest = 0.0;
+        for (const auto& c : found_) {
+            if (-c.gap > deepest && !was_held(c)) deepest = -c.gap;
+        }
+        return deepest;
+    }
+
+    /// Held: closed in this step with the same normal. A vertex that has slid onto another facet is a new contact.
+    bool was_held(const Contact<Dim>& c) const {
+        return std::any_of(closed_.begin(), closed_.end(),
+                           [&](const Contact<Dim>& p) { return same_pair(p.key, c.key) && p.normal.dot(c.normal) > 1.0 - kSameNormal; });
+    }
+
+    /// Length of the step until the first new contact closes, on the path of the full step; not below a sixteenth of the time step.
+    double shortened(const State& before, const State& after, double h) {
+        const Spin turn = 0.5 * (before.spin + after.spin);
+        const double shortest = settings_.time_step / 16.0;
+        double low = 0.0, high = h;
+        for (int k = 0; k < 12 && high - low > shortest; ++k) {
+            const double t = 0.5 * (low + high);
+            State middle = before;
+            middle.position = before.position + t / h * (after.position - before.position);
+            middle.orientation = turned(before.orientation, Spin(t * turn));
+            const double overlap = new_overlap(middle);
+            if (overlap > 0.0 && overlap <= settings_.activation_gap) return std::max(t, shortest);
+            (overlap > 0.0 ? high : low) = t;
+        }
+        return std::max(high, shortest);
+    }
+
+    /// Translates the block out of the ground along the contact normals, no farther than kinetic energy can pay for: cap_energy takes it back.
+    void push_out(double energy_before) {
+        const Vec start = state_.position;
+        Vec shift = Vec::Zero();
+        for (int sweep = 0; sweep < 4; ++sweep) {
+            for (const auto& c : closed_) shift += std::max(0.0, -c.gap - c.normal.dot(shift)) * c.normal;
+        }
+        const double lift = shift[Dim - 1];
+        const double budget = (energy_before - energy(state_) + kinetic_energy(body_, state_)) / (body_.mass * settings_.gravity);
+        if (lift > budget) shift *= std::max(budget, 0.0) / lift;
+        state_.position = start + shift;
+        for (auto& c : closed_) {
+            c.gap += c.normal.dot(shift);
+            c.arm -= shift;
+        }
+    }
+
+    /// No step may end with more energy than it began with: a rise is taken from the velocities.
+    void cap_energy(double energy_before) {
+        const double rise = energy(state_) - energy_before;
+        const double weight = body_.mass * settings_.gravity;
+        if (!(rise > kEnergyTolerance * (kinetic_energy(body_, state_) + weight * finder_.radius()))) return;
+        end_.counters.largest_energy_rise = std::max(end_.counters.largest_energy_rise, rise / weight);
+        ++end_.counters.energy_capped;
+        const double kinetic = kinetic_energy(body_, state_);
+        const double factor = kinetic > rise ? std::sqrt((kinetic - rise) / kinetic) : 0.0;
+        state_.velocity *= factor;
+        state_.spin *= factor;
+    }
+
+    /// A block rests when it hardly moves, apart from spinning about the normal of a single contact, which the law does not resist, and when the
+    /// contacts can carry its weight without motion; and this for the rest time.
+    void look_for_rest(double h) {
+        if (closed_.empty() || motion_head() > settings_.rest_head || !in_equilibrium()) {
+            still_ = 0.0;
+            return;
+        }
+        still_ += h;
+        if (still_ >= settings_.rest_time) finish(StopReason::AtRest);
+    }
+
+    /// Kinetic energy per weight without the part of a spin about the only contact's normal [m].
+    double motion_head() const {
+        State s = state_;
+        if (closed_.size() == 1) remove_spin_about(closed_.front(), s);
+        return kinetic_energy(body_, s) / (body_.mass * settings_.gravity);
+    }
+
+    void remove_spin_about(const Contact<Dim>& c, State& s) const {
+        if constexpr (Dim == 3) {
+            const Mat3 rotation = rotation_matrix(s.orientation);
+            const double about = c.normal.dot(rotation * s.spin);
+            s.spin -= about * (rotation.transpose() * c.normal);
+            s.velocity -= about * c.normal.cross(Vec3(-c.arm));
+        }
+    }
+
+    /// From rest, one step under gravity leaves the block at rest.
+    bool in_equilibrium() {
+        State s = state_;
+        s.velocity.setZero();
+        s.spin.setZero();
+        step_.set_contacts(closed_, rotation_matrix(s.orientation));
+        count(step_.solve(settings_.time_step, gravity_, RestitutionRule{}, s));
+        const double fastest = s.velocity.norm() + s.spin.norm() * finder_.radius();
+        return fastest <= kEquilibriumShare * settings_.gravity * settings_.time_step;
+    }
+
+    // ---- Moreau-Jean mode (B&A section 3.1.1) ---------------------------------------------------------------------------------
+
+    void run_moreau_jean() {
+        const double h = settings_.time_step;
+        while (!finished_) {
+            const State before = state_;
+            const double energy_before = energy(before);
+            MotionSegment<Dim> motion = begin_segment(forecast_contacts(before, h));
+            step_.set_contacts(closed_, rotation_matrix(predicted(before, h).orientation));
+            State after = before;
+            count(step_.solve(h, gravity_, RestitutionRule{1.0, 0.0}, after));
+            after.position = before.position + 0.5 * h * (before.velocity + after.velocity);
+            after.orientation = turned(before.orientation, Spin(0.5 * h * (before.spin + after.spin)));
+            state_ = after;
+            if (!closed_.empty()) {
+                ++end_.counters.contact_steps;
+                double depth = 0.0;
+                for (const auto& c : closed_) depth = std::max(depth, -c.gap);
+                end_.counters.add_penetration(depth);
+            }
+            const double rise = (energy(state_) - energy_before) / (body_.mass * settings_.gravity);
+            end_.counters.largest_energy_rise = std::max(end_.counters.largest_energy_rise, rise);
+            end_segment(motion, h);
+            if (!finder_.over_terrain(state_.position)) finish(StopReason::LeftTerrain);
+            if (time_ >= settings_.time_limit) finish(StopReason::TimeLimit);
+            if (!finished_ && !closed_.empty()) look_for_rest(h);
+            check();
+        }
+    }
+
+    State predicted(const State& s, double h) const {
+        State p = s;
+        p.position += h * s.velocity;
+        p.orientation = turned(s.orientation, Spin(h * s.spin));
+        return p;
+    }
+
+    /// closed_ becomes the contacts whose gap, forecast by half a step with the velocity at the start, is not positive; with the geometry of the
+    /// predicted pose, where the scheme takes its operators.
+    bool forecast_contacts(const State& s, double h) {
+        closed_.clear();
+        const double reach = h * (s.velocity.norm() + s.spin.norm() * finder_.radius());
+        if (finder_.clearance(s.position, rotation_matrix(s.orientation)) > reach) return false;
+        finder_.detect(s.position, rotation_matrix(s.orientation), reach, previous_);
+        if (previous_.empty()) return false;
+        step_.set_contacts(previous_, rotation_matrix(s.orientation));
+        const State p = predicted(s, h);
+        finder_.detect(p.position, rotation_matrix(p.orientation), 4.0 * reach + settings_.release_gap, found_);
+        for (std::size_t c = 0; c < previous_.size(); ++c) {
+            if (previous_[c].gap + 0.5 * h * step_.normal_velocity(c, s) > 0.0) continue;
+            const auto same = std::find_if(found_.begin(), found_.end(), [&](const Contact<Dim>& f) { return same_pair(f.key, previous_[c].key); });
+            closed_.push_back(same != found_.end() ? *same : previous_[c]);
+        }
+        return !closed_.empty();
+    }
+
+    // ---- bookkeeping ----------------------------------------------------------------------------------------------------------
+
+    double energy(const State& s) const {
+        return kinetic_energy(body_, s) + body_.mass * settings_.gravity * s.position[Dim - 1];
+    }
+
+    void count(const ContactSolverReport& report) {
+        ++end_.counters.contact_problems;
+        if (report.status == SolverStatus::NotConverged) ++end_.counters.unconverged_problems;
+    }
+
+    MotionSegment<Dim> begin_segment(bool in_contact) const {
+        MotionSegment<Dim> m;
+        m.start = time_;
+        m.position = state_.position;
+        m.velocity_start = state_.velocity;
+        m.spin_start = m.spin_end = state_.spin.norm();
+        m.rotation_energy_start = rotation_energy(body_, state_.spin);
+        m.in_contact = in_contact;
+        return m;
+    }
+
+    void end_segment(MotionSegment<Dim>& m, double duration) {
+        time_ += duration;
+        if (!sink_ || duration <= 0.0) return;
+        m.duration = duration;
+        m.velocity_end = state_.velocity;
+        m.spin_end = std::max(m.in_contact ? 0.0 : m.spin_end, state_.spin.norm());
+        m.rotation_energy_end = rotation_energy(body_, state_.spin);
+        sink_->segment(m);
+    }
+
+    void finish(StopReason reason) {
+        if (finished_) return;
+        finished_ = true;
+        end_.reason = reason;
+    }
+
+    /// A state that is not finite is a failure of ours: reported as such, never passed on.
+    void check() {
+        if (!state_.position.allFinite() || !state_.velocity.allFinite() || !state_.spin.allFinite()) {
+            finished_ = true;
+            end_.reason = StopReason::Failed;
+        }
+        if (++turns_ > kMostTurns) finish(StopReason::Failed);
+    }
+
+    static constexpr double kUnseenShare = 0.25;        ///< of the inner radius that the fastest point may cover unseen in flight [-]
+    static constexpr double kShortestFlight = 1e-7;     ///< resolution of closing times [s]
+    static constexpr double kEnergyTolerance = 1e-12;   ///< relative rise of energy that is rounding [-]
+    static constexpr double kPenetrationSlop = 3e-4;    ///< overlap that is left alone [m]
+    static constexpr double kSameNormal = 1e-6;         ///< 1 - cosine below which two facets hold a vertex alike [-]
+    static constexpr double kEquilibriumShare = 1e-3;   ///< acceleration from rest, as a share of gravity, that counts as none [-]
+    static constexpr int kImpactsInARow = 1000;         ///< impacts at one moment: beyond, something is wrong
+    static constexpr std::int64_t kMostTurns = 50'000'000;
+
+    BodyInertia<Dim> body_;
+    Contacts& finder_;
+    DynamicsSettings settings_;
+    MotionSink<Dim>* sink_;
+    ContactStep<Dim> step_;
+    Vec gravity_;
+    State state_;
+    double time_ = 0.0;
+    double still_ = 0.0;  ///< time in equilibrium [s]
+    int impacts_in_a_row_ = 0;
+    std::int64_t turns_ = 0;
+    bool finished_ = false;
+    std::vector<Contact<Dim>> closed_, previous_, found_;
+    TrajectoryEnd<Dim> end_;
+};
+
+}  // namespace scree

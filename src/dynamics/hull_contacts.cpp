@@ -1,0 +1,200 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "dynamics/hull_contacts.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace scree {
+
+namespace {
+
+/// A vertex this close in plan view to the next facet touches that one too, if the two form a valley [m].
+constexpr double kValleyMargin = 1e-3;
+/// Normals closer than this are one plane: no second contact at the seam of coplanar facets (1 - cosine) [-].
+constexpr double kSamePlane = 1e-12;
+/// How far below the contact plane the terrain around a tip must fall, sine of the angle [-].
+constexpr double kTipAngle = 1e-6;
+
+}  // namespace
+
+HullContacts::HullContacts(const ConvexBlock& block, const Surface& surface, bool vertices_only)
+    : block_(block), surface_(surface), vertices_only_(vertices_only), height_(block.vertex_count()) {}
+
+void HullContacts::cover(const Vec3& position, double reach) {
+    const double half = block_.radius + reach;
+    const Vec2 plan = position.head<2>();
+    const Box2 needed = Box2{plan, plan}.grown(half);
+    if (covered_ && patch_.box.contains(needed.min) && patch_.box.contains(needed.max)) return;
+    // half a block more on each side: enough for many steps, little to copy
+    surface_.gather(needed.grown(std::max(0.5 * block_.radius, 0.1)), patch_);
+    covered_ = true;
+}
+
+bool HullContacts::over_terrain(const Vec3& position) {
+    cover(position, 0.0);
+    return patch_.facet_at(position.head<2>()) != nullptr;
+}
+
+double HullContacts::clearance(const Vec3& position, const Mat3& rotation) {
+    cover(position, 0.0);
+    if (patch_.facets.empty()) return kInfinity;
+    const double centre = patch_.plane_normal.dot(position) - patch_.plane_offset;
+    if (centre > 2.0 * block_.radius) return centre - block_.radius;
+    const Vec3 n = rotation.transpose() * patch_.plane_normal;
+    double lowest = kInfinity;
+    for (std::size_t i = 0; i < block_.vertex_count(); ++i)
+        lowest = std::min(lowest, n.x() * block_.x[i] + n.y() * block_.y[i] + n.z() * block_.z[i]);
+    return centre + lowest;
+}
+
+void HullContacts::detect(const Vec3& position, const Mat3& rotation, double reach, std::vector<Contact<3>>& contacts) {
+    contacts.clear();
+    cover(position, reach);
+    if (patch_.facets.empty()) return;
+    const double centre = patch_.plane_normal.dot(position) - patch_.plane_offset;
+    if (centre - block_.radius > reach) return;
+    const Vec3 n = rotation.transpose() * patch_.plane_normal;
+    double lowest = kInfinity;
+    for (std::size_t i = 0; i < height_.size(); ++i) {
+        height_[i] = centre + n.x() * block_.x[i] + n.y() * block_.y[i] + n.z() * block_.z[i];
+        lowest = std::min(lowest, height_[i]);
+    }
+    if (lowest > reach) return;
+    add_vertex_contacts(position, rotation, reach, contacts);
+    if (vertices_only_) return;
+    add_tip_contacts(position, rotation, reach, contacts);
+    add_crest_contacts(position, rotation, reach, contacts);
+}
+
+void HullContacts::add_vertex_contacts(const Vec3& position, const Mat3& rotation, double reach, std::vector<Contact<3>>& contacts) {
+    for (std::size_t i = 0; i < height_.size(); ++i) {
+        if (height_[i] > reach) continue;
+        Contact<3> contact;
+        contact.arm = rotation * block_.vertex(i);
+        const Vec3 p = position + contact.arm;
+        const PatchFacet* facet = patch_.facet_at(p.head<2>());
+        if (!facet) continue;
+        contact.gap = facet->gap(p);
+        contact.normal = facet->normal;
+        contact.soil = facet->soil;
+        contact.key = {FeaturePair::VertexOnFacet, static_cast<std::int64_t>(i), facet->id};
+        if (contact.gap <= reach) contacts.push_back(contact);
+        if (facet->inset(p.head<2>()) < kValleyMargin) add_other_facets(p, *facet, reach, contact, contacts);
+    }
+}
+
+// In a valley a vertex can touch facets on both sides. The neighbour counts if its plane passes below the surface at p (a valley: the surface is the
+// upper of the planes); across a crest it passes above and must not count.
+void HullContacts::add_other_facets(const Vec3& p, const PatchFacet& below, double reach, Contact<3> contact,
+                                    std::vector<Contact<3>>& contacts) const {
+    const Vec2 plan = p.head<2>();
+    const std::size_t first = contacts.size();
+    for (const Vec2& shift : {Vec2(-1, -1), Vec2(1, -1), Vec2(-1, 1), Vec2(1, 1)}) {
+        for (const std::int32_t number : patch_.facets_near(plan + kValleyMargin * shift)) {
+            const PatchFacet& f = patch_.facets[static_cast<std::size_t>(number)];
+            if (f.id == below.id || f.inset(plan) < -kValleyMargin || 1.0 - f.normal.dot(below.normal) < kSamePlane) continue;
+            if (f.height(plan) > below.height(plan) || f.gap(p) > reach) continue;
+            const bool known = std::any_of(contacts.begin() + static_cast<std::ptrdiff_t>(first), contacts.end(), [&](const Contact<3>& c) {
+                return c.key.terrain == f.id || 1.0 - c.normal.dot(f.normal) < kSamePlane;
+            });
+            if (known) continue;
+            contact.gap = f.gap(p);
+            contact.normal = f.normal;
+            contact.soil = f.soil;
+            contact.key.terrain = f.id;
+            contacts.push_back(contact);
+        }
+    }
+}
+
+double HullContacts::outside(const Vec3& p_body, std::size_t& face) const {
+    double largest = -kInfinity;
+    for (std::size_t f = 0; f < block_.face_count(); ++f) {
+        const double value = block_.nx[f] * p_body.x() + block_.ny[f] * p_body.y() + block_.nz[f] * p_body.z() - block_.offset[f];
+        if (value > largest) {
+            largest = value;
+            face = f;
+        }
+    }
+    return largest;
+}
+
+// A tip touches the face that it is least deep in, if the terrain around it falls away from that face's plane on all sides.
+void HullContacts::add_tip_contacts(const Vec3& position, const Mat3& rotation, double reach, std::vector<Contact<3>>& contacts) {
+    const double far = block_.radius + reach;
+    for (const PatchNode& node : patch_.nodes) {
+        const Vec3 arm = node.position - position;
+        if (arm.squaredNorm() > far * far) continue;
+        const Vec3 p = rotation.transpose() * arm;
+        std::size_t face = 0;
+        if (outside(p, face) > reach) continue;
+        const auto spokes = std::span(patch_.spokes).subspan(static_cast<std::size_t>(node.first), static_cast<std::size_t>(node.count));
+        // the face with the largest value among those that the tip can touch
+        Contact<3> contact;
+        contact.gap = -kInfinity;
+        for (std::size_t f = 0; f < block_.face_count(); ++f) {
+            const double gap = block_.normal(f).dot(p) - block_.offset[f];
+            if (gap <= contact.gap) continue;
+            const Vec3 normal = -(rotation * block_.normal(f));
+            if (std::any_of(spokes.begin(), spokes.end(), [&](const PatchSpoke& s) { return normal.dot(s.direction) > -kTipAngle; })) continue;
+            contact.gap = gap;
+            contact.normal = normal;
+        }
+        if (!(contact.gap > -block_.inner_radius) || contact.gap > reach) continue;
+        contact.arm = arm;
+        double closest = -1.0;
+        for (const PatchSpoke& s : spokes) {
+            if (s.normal.dot(contact.normal) <= closest) continue;
+            closest = s.normal.dot(contact.normal);
+            contact.soil = s.soil;
+        }
+        contact.key = {FeaturePair::NodeInFace, 0, node.id};
+        contacts.push_back(contact);
+    }
+}
+
+// Along the crest a + t (b - a), the depth below the faces is phi(t) = max_f (n_f.x - d_f), convex and piecewise linear. Where its minimum lies inside the
+// crest, two faces meet: their common edge crosses the crest, and the combination of the two normals that is perpendicular to the crest is the direction
+// of contact. It counts only if both terrain facets fall away from the plane through the crest with that normal.
+void HullContacts::add_crest_contacts(const Vec3& position, const Mat3& rotation, double reach, std::vector<Contact<3>>& contacts) {
+    const double far = block_.radius + reach;
+    for (const PatchEdge& edge : patch_.edges) {
+        const Vec3 along = edge.b - edge.a;
+        const Vec3 from_a = position - edge.a;
+        const double foot = std::clamp(along.dot(from_a) / along.squaredNorm(), 0.0, 1.0);
+        if ((from_a - foot * along).squaredNorm() > far * far) continue;
+        const Vec3 a = rotation.transpose() * -from_a;
+        const Vec3 d = rotation.transpose() * along;
+
+        // minimise phi between a falling line (left) and a rising line (right), each time replacing one by the highest face at their meeting point
+        auto slope = [&](std::size_t f) { return block_.nx[f] * d.x() + block_.ny[f] * d.y() + block_.nz[f] * d.z(); };
+        auto value = [&](std::size_t f) { return block_.nx[f] * a.x() + block_.ny[f] * a.y() + block_.nz[f] * a.z() - block_.offset[f]; };
+        std::size_t left = 0, right = 0, top = 0;
+        outside(a, left);
+        outside(a + d, right);
+        if (slope(left) >= 0.0 || slope(right) <= 0.0) continue;  // lowest at an end: the tip there is what touches
+        double t = 0.0, phi = 0.0;
+        for (int k = 0; k < 64; ++k) {
+            t = (value(right) - value(left)) / (slope(left) - slope(right));
+            phi = outside(a + t * d, top);
+            const double bound = value(left) + t * slope(left);  // from below, for the minimum
+            if (bound > reach || top == left || top == right || phi <= bound + 1e-14) break;
+            (slope(top) < 0.0 ? left : right) = top;
+        }
+        const double share = -slope(right) / (slope(left) - slope(right));  // of the left normal, so that the sum is perpendicular to the crest
+        const Vec3 mixed = share * block_.normal(left) + (1.0 - share) * block_.normal(right);
+        const double length = mixed.norm();
+        if (length < 1e-9) continue;
+        Contact<3> contact;
+        contact.gap = phi / length;
+        if (contact.gap > reach || contact.gap < -block_.inner_radius) continue;
+        contact.normal = rotation * (-mixed / length);
+        if (contact.normal.dot(edge.beyond[0] - edge.a) >= 0.0 || contact.normal.dot(edge.beyond[1] - edge.a) >= 0.0) continue;
+        contact.arm = rotation * (a + t * d);
+        contact.soil = edge.soil[contact.normal.dot(edge.normal[0]) >= contact.normal.dot(edge.normal[1]) ? 0 : 1];
+        contact.key = {FeaturePair::EdgeOnEdge, 0, edge.id};
+        contacts.push_back(contact);
+    }
+}
+
+}  // namespace scree

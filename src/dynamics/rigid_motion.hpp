@@ -1,0 +1,84 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include "scree/dynamics/state.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace scree {
+
+/// Mass and principal moments of inertia.
+template <int Dim>
+struct BodyInertia {
+    double mass = 1.0;                                                 ///< [kg]
+    typename Space<Dim>::Spin moment = Space<Dim>::Spin::Ones();       ///< principal moments [kg m^2]
+};
+
+inline Mat3 rotation_matrix(const Quat& q) { return q.toRotationMatrix(); }
+inline Mat2 rotation_matrix(double angle) {
+    Mat2 r;
+    r << std::cos(angle), -std::sin(angle), std::sin(angle), std::cos(angle);
+    return r;
+}
+
+/// Rotation by the exponential map of a body-frame rotation vector [rad].
+inline Quat turned(const Quat& q, const Vec3& angle) {
+    const double half = 0.5 * angle.norm();
+    const double s = half > 1e-8 ? 0.5 * std::sin(half) / half : 0.5 * (1.0 - half * half / 6.0);
+    Quat result = q * Quat(std::cos(half), s * angle.x(), s * angle.y(), s * angle.z());
+    result.normalize();
+    return result;
+}
+inline double turned(double angle, const Space<2>::Spin& by) { return angle + by[0]; }
+
+/// Gyroscopic torque I Omega x Omega, body frame [N m] (B&A eq. 5).
+inline Vec3 gyroscopic_torque(const Vec3& moment, const Vec3& spin) { return moment.cwiseProduct(spin).cross(spin); }
+
+inline Mat3 cross_matrix(const Vec3& a) {
+    Mat3 m;
+    m << 0, -a.z(), a.y(), a.z(), 0, -a.x(), -a.y(), a.x(), 0;
+    return m;
+}
+
+/// Rotational part of one linearised theta = 1/2 step: (I - h/2 dtau/dOmega)^-1 and the spin without contact impulses.
+inline Mat3 spin_response(const Vec3& moment, const Vec3& spin, double h) {
+    const Mat3 inertia = moment.asDiagonal();
+    // d/dOmega (I Omega x Omega) = [I Omega]x - [Omega]x I
+    const Mat3 derivative = cross_matrix(moment.cwiseProduct(spin)) - cross_matrix(spin) * inertia;
+    return (inertia - 0.5 * h * derivative).inverse();
+}
+inline Eigen::Matrix<double, 1, 1> spin_response(const Space<2>::Spin& moment, const Space<2>::Spin&, double) { return moment.cwiseInverse(); }
+
+inline Vec3 free_spin(const Vec3& moment, const Vec3& spin, const Mat3& response, double h) {
+    return spin + h * (response * gyroscopic_torque(moment, spin));
+}
+inline Space<2>::Spin free_spin(const Space<2>::Spin&, const Space<2>::Spin& spin, const Eigen::Matrix<double, 1, 1>&, double) { return spin; }
+
+/// Torque-free rotation over dt: Runge-Kutta 4 for Omega, fourth-order Magnus expansion for the orientation (Iserles & Norsett 1999), in
+/// equal steps of at most `longest` [s].
+inline void rotate_freely(const Vec3& moment, double longest, double dt, Quat& orientation, Vec3& spin) {
+    const int steps = std::max(1, static_cast<int>(std::ceil(dt / longest - 1e-9)));
+    const double h = dt / steps;
+    auto rate = [&](const Vec3& w) -> Vec3 { return gyroscopic_torque(moment, w).cwiseQuotient(moment); };
+    for (int k = 0; k < steps; ++k) {
+        const Vec3 k1 = rate(spin), k2 = rate(spin + 0.5 * h * k1), k3 = rate(spin + 0.5 * h * k2), k4 = rate(spin + h * k3);
+        const Vec3 next = spin + h / 6.0 * (k1 + 2.0 * k2 + 2.0 * k3 + k4);
+        const Vec3 middle = 0.5 * (spin + next) + h / 8.0 * (k1 - rate(next));
+        const Vec3 angle = h / 6.0 * (spin + 4.0 * middle + next) + h * h / 12.0 * middle.cross(next - spin);
+        orientation = turned(orientation, angle);
+        spin = next;
+    }
+}
+inline void rotate_freely(const Space<2>::Spin&, double, double dt, double& orientation, Space<2>::Spin& spin) { orientation += spin[0] * dt; }
+
+template <int Dim>
+double rotation_energy(const BodyInertia<Dim>& body, const typename Space<Dim>::Spin& spin) {
+    return 0.5 * spin.dot(body.moment.cwiseProduct(spin));
+}
+template <int Dim>
+double kinetic_energy(const BodyInertia<Dim>& body, const BlockState<Dim>& state) {
+    return 0.5 * body.mass * state.velocity.squaredNorm() + rotation_energy<Dim>(body, state.spin);
+}
+
+}  // namespace scree

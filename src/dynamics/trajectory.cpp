@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "scree/dynamics/trajectory.hpp"
+
+#include "dynamics/engine.hpp"
+#include "dynamics/hull_contacts.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace scree {
+
+void TrajectoryCounters::add_penetration(double depth) {
+    largest_penetration = std::max(largest_penetration, depth);
+    const double bin = depth > 0.0 ? std::floor(4.0 * (std::log10(depth) + 6.0)) : 0.0;
+    ++penetration[static_cast<std::size_t>(std::clamp(bin, 0.0, static_cast<double>(penetration.size() - 1)))];
+}
+
+void TrajectoryCounters::merge(const TrajectoryCounters& o) {
+    contact_steps += o.contact_steps;
+    shortened_steps += o.shortened_steps;
+    impacts += o.impacts;
+    flight_evaluations += o.flight_evaluations;
+    contact_problems += o.contact_problems;
+    unconverged_problems += o.unconverged_problems;
+    restitution_capped += o.restitution_capped;
+    energy_capped += o.energy_capped;
+    largest_energy_rise = std::max(largest_energy_rise, o.largest_energy_rise);
+    largest_penetration = std::max(largest_penetration, o.largest_penetration);
+    for (std::size_t k = 0; k < penetration.size(); ++k) penetration[k] += o.penetration[k];
+}
+
+double TrajectoryCounters::penetration_quantile(double share) const {
+    std::int64_t total = 0;
+    for (const std::int64_t n : penetration) total += n;
+    std::int64_t sum = 0;
+    for (std::size_t k = 0; k < penetration.size(); ++k) {
+        sum += penetration[k];
+        if (static_cast<double>(sum) >= share * static_cast<double>(total)) return std::pow(10.0, (static_cast<double>(k) + 1.0) / 4.0 - 6.0);
+    }
+    return 0.0;
+}
+
+TrajectoryEnd<3> simulate_block(const ConvexBlock& block, const BlockState<3>& release, const Surface& surface, std::span<const Soil> soils,
+                                const DynamicsSettings& settings, MotionSink<3>* sink) {
+    const BodyInertia<3> body{block.mass, block.inertia};
+    HullContacts contacts(block, surface, settings.vertices_only);
+    Engine<3, HullContacts> engine(body, contacts, soils, settings, sink);
+    return engine.run(release);
+}
+
+}  // namespace scree
