@@ -153,9 +153,9 @@ void HullContacts::add_tip_contacts(const Vec3& position, const Mat3& rotation, 
     }
 }
 
-// Along the crest a + t (b - a), the depth below the faces is phi(t) = max_f (n_f.x - d_f), convex and piecewise linear. Where its minimum lies inside the
-// crest, two faces meet: their common edge crosses the crest, and the combination of the two normals that is perpendicular to the crest is the direction
-// of contact. It counts only if both terrain facets fall away from the plane through the crest with that normal.
+// Along the crest a + t (b - a), phi(t) = max_f (n_f.x - d_f) over the block's faces is convex and piecewise linear: its least value is how deep the crest
+// is in the block. Where that lies inside the crest, two faces meet: their common edge crosses the crest, and the combination of the two normals that
+// is perpendicular to the crest is the direction of contact. Where a face lies almost flat on the crest, the other end of the face touches too.
 void HullContacts::add_crest_contacts(const Vec3& position, const Mat3& rotation, double reach, std::vector<Contact<3>>& contacts) {
     const double far = block_.radius + reach;
     for (const PatchEdge& edge : patch_.edges) {
@@ -163,38 +163,74 @@ void HullContacts::add_crest_contacts(const Vec3& position, const Mat3& rotation
         const Vec3 from_a = position - edge.a;
         const double foot = std::clamp(along.dot(from_a) / along.squaredNorm(), 0.0, 1.0);
         if ((from_a - foot * along).squaredNorm() > far * far) continue;
-        const Vec3 a = rotation.transpose() * -from_a;
-        const Vec3 d = rotation.transpose() * along;
+        const CrestInBody crest{edge, rotation.transpose() * -from_a, rotation.transpose() * along};
 
-        // minimise phi between a falling line (left) and a rising line (right), each time replacing one by the highest face at their meeting point
-        auto slope = [&](std::size_t f) { return block_.nx[f] * d.x() + block_.ny[f] * d.y() + block_.nz[f] * d.z(); };
-        auto value = [&](std::size_t f) { return block_.nx[f] * a.x() + block_.ny[f] * a.y() + block_.nz[f] * a.z() - block_.offset[f]; };
+        // minimise phi between a falling face (left) and a rising one (right), replacing one of them by the highest face where they meet
         std::size_t left = 0, right = 0, top = 0;
-        outside(a, left);
-        outside(a + d, right);
-        if (slope(left) >= 0.0 || slope(right) <= 0.0) continue;  // lowest at an end: the tip there is what touches
-        double t = 0.0, phi = 0.0;
+        outside(crest.a, left);
+        outside(crest.a + crest.d, right);
+        if (slope(left, crest) >= 0.0 || slope(right, crest) <= 0.0) continue;  // least at an end: the tip there is what touches
+        double t = 0.0;
         for (int k = 0; k < 64; ++k) {
-            t = (value(right) - value(left)) / (slope(left) - slope(right));
-            phi = outside(a + t * d, top);
-            const double bound = value(left) + t * slope(left);  // from below, for the minimum
+            t = (value(right, crest) - value(left, crest)) / (slope(left, crest) - slope(right, crest));
+            const double phi = outside(crest.a + t * crest.d, top);
+            const double bound = value(left, crest) + t * slope(left, crest);  // from below, for the minimum
             if (bound > reach || top == left || top == right || phi <= bound + 1e-14) break;
-            (slope(top) < 0.0 ? left : right) = top;
+            (slope(top, crest) < 0.0 ? left : right) = top;
         }
-        const double share = -slope(right) / (slope(left) - slope(right));  // of the left normal, so that the sum is perpendicular to the crest
-        const Vec3 mixed = share * block_.normal(left) + (1.0 - share) * block_.normal(right);
-        const double length = mixed.norm();
-        if (length < 1e-9) continue;
-        Contact<3> contact;
-        contact.gap = phi / length;
-        if (contact.gap > reach || contact.gap < -block_.inner_radius) continue;
-        contact.normal = rotation * (-mixed / length);
-        if (contact.normal.dot(edge.beyond[0] - edge.a) >= 0.0 || contact.normal.dot(edge.beyond[1] - edge.a) >= 0.0) continue;
-        contact.arm = rotation * (a + t * d);
-        contact.soil = edge.soil[contact.normal.dot(edge.normal[0]) >= contact.normal.dot(edge.normal[1]) ? 0 : 1];
-        contact.key = {FeaturePair::EdgeOnEdge, 0, edge.id};
-        contacts.push_back(contact);
+        const double share = -slope(right, crest) / (slope(left, crest) - slope(right, crest));  // of left: the sum is perpendicular to the crest
+        add_crest_contact(crest, t, share * block_.normal(left) + (1.0 - share) * block_.normal(right), left, right, reach, rotation, contacts);
+        add_far_end(crest, t, right, +1.0, reach, rotation, contacts);
+        add_far_end(crest, t, left, -1.0, reach, rotation, contacts);
     }
+}
+
+double HullContacts::slope(std::size_t f, const CrestInBody& c) const {
+    return block_.nx[f] * c.d.x() + block_.ny[f] * c.d.y() + block_.nz[f] * c.d.z();
+}
+double HullContacts::value(std::size_t f, const CrestInBody& c) const {
+    return block_.nx[f] * c.a.x() + block_.ny[f] * c.a.y() + block_.nz[f] * c.a.z() - block_.offset[f];
+}
+
+// It counts only if both terrain facets fall away from the plane through the crest with this normal.
+void HullContacts::add_crest_contact(const CrestInBody& crest, double t, const Vec3& outward, std::size_t face, std::size_t other_face, double reach,
+                                     const Mat3& rotation, std::vector<Contact<3>>& contacts) const {
+    const double length = outward.norm();
+    if (length < 1e-9) return;
+    Contact<3> contact;
+    contact.gap = (value(face, crest) + t * slope(face, crest)) / length;
+    if (contact.gap > reach || contact.gap < -block_.inner_radius) return;
+    contact.normal = rotation * (-outward / length);
+    const PatchEdge& edge = crest.edge;
+    if (contact.normal.dot(edge.beyond[0] - edge.a) >= 0.0 || contact.normal.dot(edge.beyond[1] - edge.a) >= 0.0) return;
+    contact.arm = rotation * (crest.a + t * crest.d);
+    contact.soil = edge.soil[contact.normal.dot(edge.normal[0]) >= contact.normal.dot(edge.normal[1]) ? 0 : 1];
+    const auto [low, high] = std::minmax(face, other_face);
+    contact.key = {FeaturePair::EdgeOnEdge, static_cast<std::int64_t>(low * block_.face_count() + high), edge.id};
+    contacts.push_back(contact);
+}
+
+// From the deepest point the crest follows one face in the given direction up to the next face that rises above it.
+void HullContacts::add_far_end(const CrestInBody& crest, double t, std::size_t face, double direction, double reach, const Mat3& rotation,
+                               std::vector<Contact<3>>& contacts) const {
+    const double rise = slope(face, crest);
+    const double room = direction > 0.0 ? 1.0 - t : t;
+    if (value(face, crest) + t * rise + std::abs(rise) * std::min(room, 0.02) > reach) return;  // steep: the far end is out of reach
+    double nearest = room;
+    std::size_t next = face;
+    for (std::size_t f = 0; f < block_.face_count(); ++f) {
+        const double steeper = direction * (slope(f, crest) - rise);
+        if (steeper <= 1e-12) continue;
+        const double distance = (value(face, crest) + t * rise - value(f, crest) - t * slope(f, crest)) / steeper;
+        if (distance >= 1e-9 && distance < nearest) {
+            nearest = distance;
+            next = f;
+        }
+    }
+    if (next == face) return;  // the face reaches beyond the crest's end: the tip there touches
+    const Vec3 unit = crest.d.normalized();
+    const Vec3 normal = block_.normal(face);
+    add_crest_contact(crest, t + direction * nearest, normal - normal.dot(unit) * unit, face, next, reach, rotation, contacts);
 }
 
 }  // namespace scree

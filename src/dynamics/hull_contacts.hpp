@@ -35,6 +35,20 @@ private:
     void add_other_facets(const Vec3& p, const PatchFacet& below, double reach, Contact<3> contact, std::vector<Contact<3>>& contacts) const;
     void add_tip_contacts(const Vec3& position, const Mat3& rotation, double reach, std::vector<Contact<3>>& contacts);
     void add_crest_contacts(const Vec3& position, const Mat3& rotation, double reach, std::vector<Contact<3>>& contacts);
+    /// A terrain crest in the body frame: the points a + t d, t in [0, 1].
+    struct CrestInBody {
+        const PatchEdge& edge;
+        Vec3 a;  ///< [m]
+        Vec3 d;  ///< [m]
+    };
+    /// The plane distance of face f along the crest is value + t slope [m].
+    double value(std::size_t f, const CrestInBody& crest) const;
+    double slope(std::size_t f, const CrestInBody& crest) const;
+    void add_crest_contact(const CrestInBody& crest, double t, const Vec3& outward, std::size_t face, std::size_t other_face, double reach,
+                           const Mat3& rotation, std::vector<Contact<3>>& contacts) const;
+    void add_far_end(const CrestInBody& crest, double t, std::size_t face, double direction, double reach, const Mat3& rotation,
+                     std::vector<Contact<3>>& contacts) const;
+
     /// Largest of normal.p - offset over the faces; `face` is where.
     double outside(const Vec3& p_body, std::size_t& face) const;
 

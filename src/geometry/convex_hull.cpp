@@ -7,9 +7,40 @@
 #include <CGAL/Surface_mesh.h>
 #include <CGAL/convex_hull_3.h>
 
+#include <algorithm>
 #include <cmath>
+#include <numeric>
+#include <tuple>
 
 namespace scree {
+
+namespace {
+
+/// CGAL's order of vertices and faces follows memory addresses. Rounding, and with it a chaotic trajectory, must not: vertices in order of their
+/// coordinates, facets beginning with their lowest vertex and sorted.
+void put_in_order(ConvexHull& hull) {
+    std::vector<std::int32_t> order(hull.vertices.size());
+    std::iota(order.begin(), order.end(), 0);
+    auto coordinates = [&](std::int32_t v) {
+        const Vec3& p = hull.vertices[static_cast<std::size_t>(v)];
+        return std::tuple(p.x(), p.y(), p.z());
+    };
+    std::sort(order.begin(), order.end(), [&](std::int32_t a, std::int32_t b) { return coordinates(a) < coordinates(b); });
+    std::vector<Vec3> vertices;
+    std::vector<std::int32_t> place(order.size());
+    for (const std::int32_t v : order) {
+        place[static_cast<std::size_t>(v)] = static_cast<std::int32_t>(vertices.size());
+        vertices.push_back(hull.vertices[static_cast<std::size_t>(v)]);
+    }
+    hull.vertices = std::move(vertices);
+    for (auto& f : hull.facets) {
+        for (std::int32_t& v : f) v = place[static_cast<std::size_t>(v)];
+        std::rotate(f.begin(), std::min_element(f.begin(), f.end()), f.end());
+    }
+    std::sort(hull.facets.begin(), hull.facets.end());
+}
+
+}  // namespace
 
 ConvexHull convex_hull(const std::vector<Vec3>& points) {
     using Kernel = CGAL::Exact_predicates_inexact_constructions_kernel;
@@ -36,6 +67,7 @@ ConvexHull convex_hull(const std::vector<Vec3>& points) {
         for (const auto v : CGAL::vertices_around_face(mesh.halfedge(f), mesh)) corners.push_back(number[static_cast<std::size_t>(v.idx())]);
         for (std::size_t k = 2; k < corners.size(); ++k) hull.facets.push_back({corners[0], corners[k - 1], corners[k]});
     }
+    put_in_order(hull);
     return hull;
 }
 
