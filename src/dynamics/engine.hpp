@@ -303,12 +303,12 @@ private:
         }
     }
 
-    /// No step may end with more energy than it began with: a rise is taken from the velocities.
+    /// No step may end with more energy than it began with, but for the tolerance of the solver: a larger rise is taken from the velocities.
     void cap_energy(double energy_before) {
         const double rise = energy(state_) - energy_before;
         const double weight = body_.mass * settings_.gravity;
-        if (!(rise > kEnergyTolerance * (kinetic_energy(body_, state_) + weight * finder_.radius()))) return;
-        end_.counters.largest_energy_rise = std::max(end_.counters.largest_energy_rise, rise / weight);
+        end_.counters.largest_energy_rise = std::max(end_.counters.largest_energy_rise, std::min(rise / weight, kAllowedRise));
+        if (rise <= kAllowedRise * weight) return;
         ++end_.counters.energy_capped;
         const double kinetic = kinetic_energy(body_, state_);
         const double factor = kinetic > rise ? std::sqrt((kinetic - rise) / kinetic) : 0.0;
@@ -459,7 +459,8 @@ private:
 
     static constexpr double kUnseenShare = 0.25;        ///< of the inner radius that the fastest point may cover unseen in flight [-]
     static constexpr double kShortestFlight = 1e-7;     ///< resolution of closing times [s]
-    static constexpr double kEnergyTolerance = 1e-12;   ///< relative rise of energy that is rounding [-]
+    static constexpr double kEnergyTolerance = 1e-12;   ///< relative rise of energy in an impact that is rounding [-]
+    static constexpr double kAllowedRise = 1e-6;        ///< height of fall by which the solver's tolerance may raise the energy of a step [m]
     static constexpr double kPenetrationSlop = 3e-4;    ///< overlap that is left alone [m]
     static constexpr double kSameNormal = 1e-6;         ///< 1 - cosine below which two facets hold a vertex alike [-]
     static constexpr double kEquilibriumShare = 1e-3;   ///< acceleration from rest, as a share of gravity, that counts as none [-]

@@ -119,7 +119,8 @@ double HullContacts::outside(const Vec3& p_body, std::size_t& face) const {
     return largest;
 }
 
-// A tip touches the face that it is least deep in, if the terrain around it falls away from that face's plane on all sides.
+// A tip touches the face that it is least deep in, if the terrain around it falls away from that face's plane on all sides; else a crest or a vertex
+// touches nearer.
 void HullContacts::add_tip_contacts(const Vec3& position, const Mat3& rotation, double reach, std::vector<Contact<3>>& contacts) {
     const double far = block_.radius + reach;
     for (const PatchNode& node : patch_.nodes) {
@@ -129,18 +130,11 @@ void HullContacts::add_tip_contacts(const Vec3& position, const Mat3& rotation, 
         std::size_t face = 0;
         if (outside(p, face) > reach) continue;
         const auto spokes = std::span(patch_.spokes).subspan(static_cast<std::size_t>(node.first), static_cast<std::size_t>(node.count));
-        // the face with the largest value among those that the tip can touch
         Contact<3> contact;
-        contact.gap = -kInfinity;
-        for (std::size_t f = 0; f < block_.face_count(); ++f) {
-            const double gap = block_.normal(f).dot(p) - block_.offset[f];
-            if (gap <= contact.gap) continue;
-            const Vec3 normal = -(rotation * block_.normal(f));
-            if (std::any_of(spokes.begin(), spokes.end(), [&](const PatchSpoke& s) { return normal.dot(s.direction) > -kTipAngle; })) continue;
-            contact.gap = gap;
-            contact.normal = normal;
-        }
-        if (!(contact.gap > -block_.inner_radius) || contact.gap > reach) continue;
+        contact.gap = block_.normal(face).dot(p) - block_.offset[face];
+        contact.normal = -(rotation * block_.normal(face));
+        if (contact.gap < -block_.inner_radius) continue;
+        if (std::any_of(spokes.begin(), spokes.end(), [&](const PatchSpoke& s) { return contact.normal.dot(s.direction) > -kTipAngle; })) continue;
         contact.arm = arm;
         double closest = -1.0;
         for (const PatchSpoke& s : spokes) {
