@@ -48,4 +48,25 @@ TrajectoryEnd<3> simulate_block(const ConvexBlock& block, const BlockState<3>& r
     return engine.run(release);
 }
 
+double clearing_lift(const ConvexBlock& block, const BlockState<3>& state, const Surface& surface, double gap) {
+    HullContacts finder(block, surface, false);
+    const Mat3 rotation = state.orientation.toRotationMatrix();
+    std::vector<Contact<3>> contacts;
+    auto is_free = [&](double lift) {
+        finder.detect(state.position + lift * Vec3::UnitZ(), rotation, gap, contacts);
+        return contacts.empty();
+    };
+    if (is_free(0.0)) return 0.0;
+    double low = 0.0, high = std::max(gap, 0.1 * block.radius);
+    while (!is_free(high) && high < 1e4) {
+        low = high;
+        high *= 2.0;
+    }
+    while (high - low > 0.1 * gap) {
+        const double middle = 0.5 * (low + high);
+        (is_free(middle) ? high : low) = middle;
+    }
+    return high;
+}
+
 }  // namespace scree

@@ -105,4 +105,7 @@ struct TrajectoryEnd {
 TrajectoryEnd<3> simulate_block(const ConvexBlock& block, const BlockState<3>& release, const Surface& surface, std::span<const Soil> soils,
                                 const DynamicsSettings& settings, MotionSink<3>* sink = nullptr);
 
+/// Smallest upward shift [m] after which no part of the block is closer to the terrain than `gap` [m]; 0 if it is free already.
+double clearing_lift(const ConvexBlock& block, const BlockState<3>& state, const Surface& surface, double gap);
+
 }  // namespace scree
