@@ -1,0 +1,196 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "cli/site_file.hpp"
+
+#include "cli/settings.hpp"
+#include "scree/base/error.hpp"
+#include "scree/base/units.hpp"
+
+#include <toml++/toml.h>
+
+#include <algorithm>
+#include <fstream>
+#include <set>
+#include <sstream>
+
+namespace scree::cli {
+
+namespace {
+
+std::string read_text(const std::filesystem::path& file) {
+    if (std::filesystem::is_directory(file))
+        throw InputError(file.string() + " is a folder: give the site file in it, " + (file / "site.toml").string());
+    std::ifstream in(file, std::ios::binary);
+    if (!in) throw InputError("site file " + file.string() + " cannot be read: check the path, or write a new one with scree init FOLDER");
+    std::ostringstream text;
+    text << in.rdbuf();
+    return text.str();
+}
+
+toml::table parse(const std::string& text, const std::string& name) {
+    try {
+        return toml::parse(text, name);
+    } catch (const toml::parse_error& e) {
+        std::ostringstream message;
+        message << name << ":" << e.source().begin.line << ":" << e.source().begin.column << ": not valid TOML (UTF-8): " << e.description();
+        throw InputError(message.str());
+    }
+}
+
+/// Edits by insertion, deletion and exchange between two words: how far a misspelt key is from a known one.
+std::size_t edit_distance(const std::string& a, const std::string& b) {
+    std::vector<std::size_t> row(b.size() + 1);
+    for (std::size_t j = 0; j <= b.size(); ++j) row[j] = j;
+    for (std::size_t i = 1; i <= a.size(); ++i) {
+        std::size_t diagonal = row[0];
+        row[0] = i;
+        for (std::size_t j = 1; j <= b.size(); ++j) {
+            const std::size_t exchanged = diagonal + (a[i - 1] == b[j - 1] ? 0 : 1);
+            diagonal = row[j];
+            row[j] = std::min({row[j] + 1, row[j - 1] + 1, exchanged});
+        }
+    }
+    return row[b.size()];
+}
+
+[[noreturn]] void unknown_key(const std::string& where, const std::string& name) {
+    std::string best, section = name.substr(0, name.find('.'));
+    std::size_t distance = 1000;
+    std::string siblings;
+    for (const auto& key : site_keys()) {
+        if (edit_distance(key.name(), name) < distance) {
+            distance = edit_distance(key.name(), name);
+            best = key.name();
+        }
+        if (key.section == section) siblings += (siblings.empty() ? "" : ", ") + key.key;
+    }
+    std::string hint = distance <= 3 ? "; did you mean " + best + "?" : siblings.empty() ? "" : "; [" + section + "] knows " + siblings;
+    throw InputError(where + ": the key " + name + " is unknown" + hint + " (scree settings lists all keys)");
+}
+
+std::string location(const std::string& file, const toml::node& node) {
+    return node.source().begin ? file + ":" + std::to_string(node.source().begin.line) : file + " (--set)";
+}
+
+void read_soils(const toml::node& node, const std::string& file, std::vector<Soil>& soils) {
+    const toml::array* list = node.as_array();
+    if (!list || list->empty() || !list->is_array_of_tables())
+        throw InputError(location(file, node) + ": soil must be a list of tables: begin each soil with [[soil]]");
+    for (const toml::node& entry : *list) {
+        Soil soil;
+        for (const auto& [key, value] : *entry.as_table()) {
+            const std::string name(key.str());
+            const auto known = std::find_if(soil_keys().begin(), soil_keys().end(), [&](const auto& k) { return k.key == name; });
+            if (known == soil_keys().end())
+                throw InputError(location(file, value) + ": [[soil]] has no key " + name + "; it knows name, restitution, friction, rolling");
+            known->read(soil, value, location(file, value));
+        }
+        if (soil.name.empty()) throw InputError(location(file, entry) + ": a [[soil]] has no name: zones refer to soils by name");
+        if (std::any_of(soils.begin(), soils.end(), [&](const Soil& s) { return s.name == soil.name; }))
+            throw InputError(location(file, entry) + ": two soils are called \"" + soil.name + "\": names must differ");
+        soils.push_back(soil);
+    }
+    if (soils.size() > static_cast<std::size_t>(kMaxSoils))
+        throw InputError(location(file, node) + ": " + std::to_string(soils.size()) + " soils; at most " + std::to_string(kMaxSoils) + " are possible");
+}
+
+/// Puts `--set section.key=value` into the table as if it stood in the file. The value is TOML; what is no TOML is a text.
+void apply_change(toml::table& table, const std::string& change) {
+    const auto equals = change.find('=');
+    const auto dot = change.find('.');
+    if (equals == std::string::npos || dot == std::string::npos || dot > equals)
+        throw InputError("--set " + change + " is not of the form section.key=value, such as terrain.resolution=2");
+    const std::string section = change.substr(0, dot), text = change.substr(equals + 1);
+    std::string key = change.substr(dot + 1, equals - dot - 1);
+    toml::table holder;
+    try {
+        holder = toml::parse("value = " + text);
+    } catch (const toml::parse_error&) {
+        holder.insert_or_assign("value", text);
+    }
+    const toml::node& value = *holder.get("value");
+    toml::table* target = nullptr;
+    if (section == "soil") {
+        // soil.NAME.key, or soil.NUMBER.key counted from 0
+        const auto last = key.rfind('.');
+        if (last == std::string::npos) throw InputError("--set " + change + ": say which soil, soil.NAME." + key + "=" + text);
+        const std::string which = key.substr(0, last);
+        key = key.substr(last + 1);
+        toml::array* soils = table["soil"].as_array();
+        for (std::size_t i = 0; soils && i < soils->size(); ++i) {
+            toml::table* soil = (*soils)[i].as_table();
+            if (soil && ((*soil)["name"].value_or(std::string()) == which || std::to_string(i) == which)) target = soil;
+        }
+        if (!target) throw InputError("--set " + change + ": there is no [[soil]] called \"" + which + "\" in the site file");
+    } else {
+        if (!table.contains(section)) table.insert_or_assign(section, toml::table{});
+        target = table[section].as_table();
+        if (!target) throw InputError("--set " + change + ": " + section + " is not a table in the site file");
+    }
+    value.visit([&](const auto& v) { target->insert_or_assign(key, v); });
+}
+
+void require(bool condition, const std::string& message) {
+    if (!condition) throw InputError(message);
+}
+
+/// What a single key cannot know.
+void check_together(const SiteFile& site) {
+    const SiteSettings& s = site.settings;
+    const std::string file = site.file.string();
+    std::string missing;
+    if (s.dtm.empty()) missing += " terrain.dtm";
+    if (s.release.file.empty()) missing += " release.file";
+    if (s.soils.empty()) missing += " [[soil]]";
+    require(missing.empty(), file + ": required keys are missing:" + missing + " (scree init FOLDER writes a commented example)");
+    auto ordered = [&](double low, double high, const char* a, const char* b) {
+        require(low <= high, file + ": " + a + " is larger than " + b + ": exchange them");
+    };
+    ordered(s.distribution.volume_min, s.distribution.volume_max, "blocks.volume_min", "blocks.volume_max");
+    ordered(s.distribution.ratio_21[0], s.distribution.ratio_21[1], "blocks.ratio_21_min", "blocks.ratio_21_max");
+    ordered(s.distribution.ratio_32[0], s.distribution.ratio_32[1], "blocks.ratio_32_min", "blocks.ratio_32_max");
+    ordered(s.dynamics.activation_gap, s.dynamics.release_gap, "model.activation_gap", "model.release_gap");
+    require(s.shape != BlockShape::File || !s.shape_file.empty(), file + ": blocks.shape = \"file\" needs blocks.shape_file");
+    if (!s.default_soil.empty()) {
+        std::string names;
+        bool found = false;
+        for (const Soil& soil : s.soils) {
+            found = found || soil.name == s.default_soil;
+            names += (names.empty() ? "\"" : ", \"") + soil.name + "\"";
+        }
+        require(found, file + ": zones.default = \"" + s.default_soil + "\" is no [[soil]]; there are " + names);
+    }
+}
+
+}  // namespace
+
+SiteFile read_site_file(const std::filesystem::path& file, const std::vector<std::string>& changes) {
+    SiteFile site;
+    site.file = file;
+    site.folder = file.has_parent_path() ? file.parent_path() : std::filesystem::path(".");
+    const std::string name = file.string();
+    toml::table table = parse(read_text(file), name);
+    for (const std::string& change : changes) apply_change(table, change);
+
+    for (const auto& [section, node] : table) {
+        const std::string section_name(section.str());
+        if (section_name == "soil") {
+            read_soils(node, name, site.settings.soils);
+            continue;
+        }
+        if (section_name == "effect")
+            throw InputError(location(name, node) + ": [[effect]]: this version knows no effects beyond the contact law; remove the entry");
+        const toml::table* keys = node.as_table();
+        if (!keys) unknown_key(location(name, node), section_name);
+        if (section_help(section_name).empty()) unknown_key(location(name, node), section_name);
+        for (const auto& [key, value] : *keys) {
+            const std::string key_name = section_name + "." + std::string(key.str());
+            const auto known = std::find_if(site_keys().begin(), site_keys().end(), [&](const auto& k) { return k.name() == key_name; });
+            if (known == site_keys().end()) unknown_key(location(name, value), key_name);
+            known->read(site.settings, value, location(name, value));
+        }
+    }
+    check_together(site);
+    return site;
+}
+
+}  // namespace scree::cli

@@ -1,0 +1,29 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include "cli/site_settings.hpp"
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+namespace scree::cli {
+
+/// A site file as read, with the folder that its paths refer to.
+struct SiteFile {
+    std::filesystem::path file;
+    std::filesystem::path folder;
+    SiteSettings settings;
+
+    /// A path of the settings as it is opened.
+    std::filesystem::path resolve(const std::string& path) const {
+        const std::filesystem::path p(path);
+        return p.is_absolute() ? p : folder / p;
+    }
+};
+
+/// Reads a site file and applies `--set key=value` changes. Throws InputError that names file, line, key, value and what is allowed; unknown keys
+/// are errors. Settings that belong together are checked against each other.
+SiteFile read_site_file(const std::filesystem::path& file, const std::vector<std::string>& changes);
+
+}  // namespace scree::cli

@@ -1,0 +1,186 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "cli/site_model.hpp"
+
+#include "gis/table_reader.hpp"
+#include "scree/base/error.hpp"
+#include "scree/base/units.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace scree::cli {
+
+namespace {
+
+void append(std::vector<std::string>& to, const std::vector<std::string>& from) { to.insert(to.end(), from.begin(), from.end()); }
+
+gis::SoilZoneSettings zone_settings(const SiteSettings& s) {
+    gis::SoilZoneSettings zones;
+    zones.field = s.zones.field;
+    zones.priority_field = s.priority_field;
+    for (std::size_t k = 0; k < s.soils.size(); ++k) {
+        zones.soils.push_back(s.soils[k].name);
+        if (s.soils[k].name == s.default_soil) zones.default_soil = static_cast<SoilId>(k);
+    }
+    return zones;
+}
+
+gis::VectorData read_layer(const SiteFile& site, const VectorInput& input, const char* purpose, std::vector<GeometryKind> kinds,
+                           const SiteTerrain& terrain) {
+    gis::VectorSource source;
+    source.file = site.resolve(input.file).string();
+    source.layer = input.layer;
+    source.kinds = std::move(kinds);
+    source.purpose = purpose;
+    return gis::read_vector(source, terrain.frame, terrain.grid.shape.bounds());
+}
+
+std::vector<Screen> make_screens(const gis::VectorData& data, const std::string& field) {
+    const std::vector<std::string> names = gis::text_field(data, field);
+    std::vector<Screen> screens;
+    auto add_ring = [&](const std::string& name, const Ring& ring) {
+        Screen screen{name, ring};
+        screen.line.push_back(ring.front());
+        screens.push_back(screen);
+    };
+    for (std::size_t k = 0; k < data.layer.features.size(); ++k) {
+        const Geometry& geometry = data.layer.features[k].geometry;
+        if (const auto* lines = std::get_if<Polylines>(&geometry)) {
+            // the parts of one feature are one screen: joined by their own end points only, never by a bridge
+            for (const Polyline& line : *lines) {
+                Screen screen{names[k], {}};
+                for (const Vec3& p : line.points) screen.line.push_back(p.head<2>());
+                screens.push_back(screen);
+            }
+        } else if (const auto* polygons = std::get_if<MultiPolygon>(&geometry)) {
+            for (const Polygon& polygon : *polygons) add_ring(names[k], polygon.outer);
+        }
+    }
+    return screens;
+}
+
+std::vector<DepositZone> make_deposit_zones(const gis::VectorData& data, const std::string& field) {
+    const std::vector<std::string> names = gis::text_field(data, field);
+    std::vector<DepositZone> zones;
+    for (std::size_t k = 0; k < data.layer.features.size(); ++k)
+        zones.push_back({names[k], Region(std::get<MultiPolygon>(data.layer.features[k].geometry))});
+    return zones;
+}
+
+BlockPopulation make_population(const SiteFile& site, SiteModel& model) {
+    const SiteSettings& s = site.settings;
+    BlockPopulation population;
+    population.in_turn = s.block_order == BlockOrder::InTurn;
+    population.distribution = s.distribution;
+    population.shape.shape = s.shape;
+    population.shape.points = s.points;
+    if (s.shape == BlockShape::File) {
+        population.shape.file_points = read_shape_points(site.resolve(s.shape_file));
+        model.inputs.push_back(site.resolve(s.shape_file).string());
+    }
+    if (s.block_list.empty()) return population;
+    const gis::BlockList list = gis::read_block_list(site.resolve(s.block_list).string());
+    append(model.warnings, list.warnings);
+    model.inputs.push_back(site.resolve(s.block_list).string());
+    for (const gis::BlockRow& row : list.blocks) population.list.push_back({row.id, row.mass, {row.l1, row.l2, row.l3}});
+    return population;
+}
+
+GridShape result_cells(const GridShape& model, double resolution) {
+    if (resolution <= 0.0 || resolution == model.cell) return model;
+    GridShape cells = model;  // same north-west corner, so that coarser cells line up with the model's
+    cells.cell = resolution;
+    cells.columns = std::max(1, static_cast<int>(std::ceil(model.columns * model.cell / resolution - 1e-9)));
+    cells.rows = std::max(1, static_cast<int>(std::ceil(model.rows * model.cell / resolution - 1e-9)));
+    cells.origin.y() = model.origin.y() + model.rows * model.cell - cells.rows * resolution;
+    return cells;
+}
+
+}  // namespace
+
+SiteTerrain load_terrain(const SiteFile& site) {
+    const SiteSettings& s = site.settings;
+    SiteTerrain terrain;
+    gis::Dtm dtm = gis::read_dtm(site.resolve(s.dtm).string());
+    terrain.frame = dtm.frame;
+    terrain.dtm_cell_x = dtm.dx;
+    terrain.dtm_cell_y = dtm.dy;
+    append(terrain.warnings, dtm.report.warnings);
+    double resolution = s.resolution;
+    if (resolution <= 0.0) {
+        resolution = std::max(dtm.dx, dtm.dy);
+        if (std::abs(dtm.dx - dtm.dy) > 1e-6 * resolution)
+            terrain.warnings.push_back("the DTM's cells are not square; the model takes the larger edge as its resolution");
+    }
+    gis::ResampledDtm resampled = gis::resample(dtm, resolution);
+    append(terrain.warnings, resampled.report.warnings);
+    terrain.dtm_report = std::move(dtm.report);
+    terrain.resample_report = std::move(resampled.report);
+    terrain.grid = std::move(resampled.grid);
+
+    if (!s.zones.file.empty()) {
+        terrain.zones = read_layer(site, s.zones, "soil zones", {GeometryKind::Polygon}, terrain);
+        append(terrain.warnings, terrain.zones->report.warnings);
+    }
+    const gis::SoilZones zones = terrain.zones ? gis::SoilZones(*terrain.zones, zone_settings(s)) : gis::SoilZones(zone_settings(s));
+    append(terrain.warnings, zones.warnings());
+    if (s.surface == SurfaceKind::Grid) {
+        gis::FacetSoils soils = gis::assign_soils(zones, terrain.grid);
+        terrain.soil_report = soils.report;
+        terrain.surface = make_grid_surface(terrain.grid, std::move(soils.soil));
+        terrain.surface_report = std::to_string(terrain.surface->facet_count()) + " facets, two a cell";
+    } else {
+        throw InputError("terrain.surface = \"tin\" is not available in this build");
+    }
+    append(terrain.warnings, terrain.soil_report.warnings);
+    return terrain;
+}
+
+SiteModel load_site(const SiteFile& site) {
+    const SiteSettings& s = site.settings;
+    SiteModel model;
+    model.terrain = load_terrain(site);
+    model.warnings = model.terrain.warnings;
+    model.inputs.push_back(site.resolve(s.dtm).string());
+    if (model.terrain.zones) model.inputs.push_back(site.resolve(s.zones.file).string());
+
+    model.release = read_layer(site, s.release, "release", {GeometryKind::Polygon, GeometryKind::LineString, GeometryKind::Point}, model.terrain);
+    append(model.warnings, model.release.report.warnings);
+    model.inputs.push_back(site.resolve(s.release.file).string());
+    model.area = std::make_unique<ReleaseArea>(model.release.layer, *model.terrain.surface, s.releases.pattern, model.terrain.grid.shape);
+    if (model.area->inside_share() < 0.999) {
+        const int percent = static_cast<int>(std::lround(100.0 * (1.0 - model.area->inside_share())));
+        model.warnings.push_back(s.release.file + ": about " + std::to_string(percent) + " % of the release features lie off the terrain; blocks start on the rest only");
+    }
+
+    CampaignInput& c = model.campaign;
+    c.population = make_population(site, model);
+    if (!s.screens.file.empty()) {
+        model.screens = read_layer(site, s.screens, "screens", {GeometryKind::LineString, GeometryKind::Polygon}, model.terrain);
+        append(model.warnings, model.screens->report.warnings);
+        model.inputs.push_back(site.resolve(s.screens.file).string());
+        c.screens = make_screens(*model.screens, s.screens.field);
+    }
+    if (!s.deposit_zones.file.empty()) {
+        model.deposit_zones = read_layer(site, s.deposit_zones, "deposit zones", {GeometryKind::Polygon}, model.terrain);
+        append(model.warnings, model.deposit_zones->report.warnings);
+        model.inputs.push_back(site.resolve(s.deposit_zones.file).string());
+        c.deposit_zones = make_deposit_zones(*model.deposit_zones, s.deposit_zones.field);
+    }
+    c.surface = model.terrain.surface.get();
+    c.area = model.area.get();
+    c.soils = s.soils;
+    c.dynamics = s.dynamics;
+    c.release = s.releases;
+    c.release.azimuth = radians_from_degrees(s.azimuth_deg);
+    c.release.elevation = radians_from_degrees(s.elevation_deg);
+    if (s.releases.pattern == ReleasePattern::Cells && s.releases.count < static_cast<std::int64_t>(model.area->cell_count()))
+        model.warnings.push_back("release.count = " + std::to_string(s.releases.count) + " is less than the " + std::to_string(model.area->cell_count()) +
+                                 " start cells: some cells release no block");
+    c.seed = static_cast<std::uint64_t>(s.seed);
+    c.result_cells = result_cells(model.terrain.grid.shape, s.result_resolution);
+    c.kept_trajectories = s.trajectories;
+    return model;
+}
+
+}  // namespace scree::cli

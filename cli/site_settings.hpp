@@ -1,0 +1,67 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include "scree/dynamics/trajectory.hpp"
+#include "scree/ensemble/population.hpp"
+#include "scree/ensemble/release.hpp"
+
+#include <array>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+namespace scree::cli {
+
+enum class SurfaceKind { Grid, Tin };
+inline constexpr std::array<const char*, 2> kSurfaceKindNames{"grid", "tin"};
+
+enum class BlockOrder { Random, InTurn };
+inline constexpr std::array<const char*, 2> kBlockOrderNames{"random", "in_turn"};
+
+/// A vector file with the layer and field that matter. An empty file means: not given.
+struct VectorInput {
+    std::string file;   ///< relative to the site file, or absolute
+    std::string layer;  ///< empty: the only layer of the file
+    std::string field;  ///< text field that matters
+};
+
+/// A site as its file describes it. Defaults here are the defaults of the keys; the table in settings.cpp says what each is.
+struct SiteSettings {
+    std::string name = "Scree";
+
+    std::string dtm;
+    double resolution = 0.0;           ///< 0: that of the DTM [m]
+    SurfaceKind surface = SurfaceKind::Grid;
+    double tolerance = 0.1;            ///< of the tin [m]
+    bool conforming = true;            ///< tin only: facets end at soil boundaries
+
+    std::vector<Soil> soils;
+    VectorInput zones{{}, {}, "soil"};
+    std::string default_soil;          ///< empty: the first soil
+    std::string priority_field;        ///< empty: overlapping zones are an error
+
+    std::string block_list;
+    BlockOrder block_order = BlockOrder::Random;
+    BlockShape shape = BlockShape::Hull;
+    int points = 50;                   ///< [-]
+    std::string shape_file;
+    BlockDistribution distribution;
+
+    VectorInput release;
+    ReleaseSettings releases;          ///< without the angles
+    double azimuth_deg = 0.0;          ///< of the initial speed, clockwise from north [deg]
+    double elevation_deg = 0.0;        ///< of the initial speed above the horizontal [deg]
+
+    std::int64_t dimension = 3;        ///< [-]
+    DynamicsSettings dynamics;
+    std::int64_t seed = 1;             ///< [-]
+
+    VectorInput screens{{}, {}, "name"};
+    VectorInput deposit_zones{{}, {}, "name"};
+
+    std::string output_directory = "out";
+    std::int64_t trajectories = 100;   ///< [-]
+    double result_resolution = 0.0;    ///< 0: that of the model [m]
+};
+
+}  // namespace scree::cli
