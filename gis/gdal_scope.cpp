@@ -12,8 +12,11 @@ namespace scree::gis {
 void collect_gdal_message(int severity, const char* text) {
     auto* scope = static_cast<GdalScope*>(CPLGetErrorHandlerUserData());
     if (severity < CE_Warning) return;
-    scope->messages_.emplace_back(text);
-    if (severity >= CE_Failure) scope->last_error_ = text;
+    // a damaged file can make a driver complain about every row, each time quoting the complaint before
+    constexpr std::size_t kMaxMessages = 50, kMaxLength = 1000;
+    const std::string message = std::string(text).substr(0, kMaxLength);
+    if (scope->messages_.size() < kMaxMessages) scope->messages_.push_back(message);
+    if (severity >= CE_Failure) scope->last_error_ = message;
 }
 
 namespace {
