@@ -31,6 +31,13 @@ std::string crs_name(const OGRSpatialReference& crs) {
     return text;
 }
 
+OGRSpatialReference parsed(const std::string& wkt) {
+    OGRSpatialReference crs;
+    crs.importFromWkt(wkt.c_str());
+    crs.SetAxisMappingStrategy(OAMS_TRADITIONAL_GIS_ORDER);
+    return crs;
+}
+
 OGRSpatialReference demoted(const OGRSpatialReference& crs) {
     OGRSpatialReference flat(crs);
     if (flat.IsCompound()) flat.StripVertical();
@@ -105,6 +112,18 @@ HorizontalCrs horizontal_part(const OGRSpatialReference* crs) {
     HorizontalCrs result{text ? text : "", crs_name(flat)};
     CPLFree(text);
     return result;
+}
+
+bool same_map(const std::string& a, const std::string& b) {
+    if (a == b) return true;
+    const OGRSpatialReference first = parsed(a), second = parsed(b);
+    const char* const options[] = {"IGNORE_DATA_AXIS_TO_SRS_AXIS_MAPPING=YES",
+                                   "CRITERION=EQUIVALENT_EXCEPT_AXIS_ORDER_GEOGCRS", nullptr};
+    return first.IsSame(&second, options);
+}
+
+bool in_degrees(const std::string& wkt) {
+    return parsed(wkt).IsGeographic();
 }
 
 HorizontalCrs metric_crs_or_throw(const OGRSpatialReference* crs, const Vec2& centre, const std::string& place,

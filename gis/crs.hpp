@@ -19,6 +19,11 @@ struct HorizontalCrs {
 /// The horizontal part of a CRS; unknown where there is none, or where a GeoPackage says "undefined".
 HorizontalCrs horizontal_part(const OGRSpatialReference* crs);
 
+/// Whether two CRSs (as WKT) put a position at the same easting and northing.
+bool same_map(const std::string& a, const std::string& b);
+/// Whether positions in this CRS (as WKT) are longitude and latitude.
+bool in_degrees(const std::string& wkt);
+
 /// Checks that the CRS of a terrain model is a map in metres at `centre` (in that CRS [its unit]): projected, unit metre in plan
 /// and height, and true to scale. Throws InputError; small errors of scale become warnings. `place` begins the messages.
 HorizontalCrs metric_crs_or_throw(const OGRSpatialReference* crs, const Vec2& centre, const std::string& place,

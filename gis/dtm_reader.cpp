@@ -201,6 +201,8 @@ public:
     bool scaled() const { return scale_ != 1 || offset_ != 0; }
     double scale() const { return scale_; }
     double offset() const { return offset_; }
+    // Cells that are NaN in the file although no tag says that NaN means nodata.
+    std::size_t untagged_nan() const { return untagged_nan_; }
 
     // Rows [first, first + count) of the file, all columns; false if they cannot be read.
     bool read(int first, int count, std::vector<double>& values) {
@@ -216,11 +218,11 @@ public:
                                nullptr) != CE_None)
                 return false;
         }
+        const bool nan_is_tagged = nodata_ && std::isnan(*nodata_);
         for (std::size_t i = 0; i < values.size(); ++i) {
-            if ((masked_ && mask_[i] == 0) || (nodata_ && values[i] == *nodata_))
-                values[i] = kNaN;
-            else
-                values[i] = values[i] * scale_ + offset_;
+            const bool hidden = masked_ && mask_[i] == 0;
+            if (!hidden && !nan_is_tagged && std::isnan(values[i])) ++untagged_nan_;
+            values[i] = hidden || (nodata_ && values[i] == *nodata_) ? kNaN : values[i] * scale_ + offset_;
         }
         return true;
     }
@@ -230,6 +232,7 @@ private:
     double scale_ = 1, offset_ = 0;
     std::optional<double> nodata_;
     bool masked_ = false;
+    std::size_t untagged_nan_ = 0;
     std::vector<std::uint8_t> mask_;
 };
 
@@ -269,10 +272,11 @@ void check_heights(const HeightCensus& census, const std::string& file, const Dt
         const double value = census.bad_value;
         const std::size_t count = census.infinite + census.outside;
         if (std::isinf(value)) {
-            refuse(file, words("has ", count, count == 1 ? " cell" : " cells", " with a height of ",
-                               value > 0 ? "+" : "-", "infinity ", at(census.bad_column, census.bad_row),
-                               "; set them to nodata, for example with gdal_calc.py "
-                               "--calc=\"where(isinf(A),-9999,A)\" --NoDataValue=-9999."));
+            refuse(file,
+                   words("has ", count, count == 1 ? " cell" : " cells", " with an infinite or impossible height, ",
+                         value > 0 ? "+" : "-", "infinity ", at(census.bad_column, census.bad_row),
+                         "; set them to nodata, for example with gdal_calc.py "
+                         "--calc=\"where(isinf(A),-9999,A)\" --NoDataValue=-9999."));
         }
         const bool sentinel = std::any_of(kSentinels.begin(), kSentinels.end(),
                                           [&](double s) { return std::abs(value - s) <= 1e-6 * std::abs(s); });
@@ -340,6 +344,10 @@ void add_warnings(const HeightCensus& census, const Decoder& decoder, const Gdal
         report.warnings.push_back(words(
             place, " has heights in whole metres: its slopes are terraces of ", fixed(1 / std::max(dtm.dx, dtm.dy), 2),
             " m per metre, and blocks will bounce on steps that do not exist; use a raster of real numbers."));
+    }
+    if (decoder.untagged_nan() > 0) {
+        report.warnings.push_back(words(place, " has ", decoder.untagged_nan(),
+                                        " cells that are not a number without a nodata tag: they are taken as holes."));
     }
     if (report.valid_fraction < kSparse) {
         report.warnings.push_back(

@@ -6,6 +6,7 @@
 #include <ogrsf_frmts.h>
 
 #include <mutex>
+#include <string>
 
 namespace scree::gis {
 
@@ -20,7 +21,9 @@ void collect_gdal_message(int severity, const char* text) {
 }
 
 namespace {
-void CPL_STDCALL handler(CPLErr severity, CPLErrorNum, const char* text) { collect_gdal_message(severity, text); }
+void CPL_STDCALL handler(CPLErr severity, CPLErrorNum, const char* text) {
+    collect_gdal_message(severity, text);
+}
 }  // namespace
 
 GdalScope::GdalScope() {
@@ -29,9 +32,14 @@ GdalScope::GdalScope() {
     CPLPushErrorHandlerEx(handler, this);
 }
 
-GdalScope::~GdalScope() { CPLPopErrorHandler(); }
+GdalScope::~GdalScope() {
+    CPLPopErrorHandler();
+}
 
-std::string GdalScope::reason() const { return last_error_.empty() ? std::string() : "; GDAL says: " + last_error_; }
+std::string GdalScope::reason() const {
+    const std::size_t end = last_error_.find_last_not_of(". \n");  // our sentence goes on or has its own full stop
+    return end == std::string::npos ? std::string() : "; GDAL says: " + last_error_.substr(0, end + 1);
+}
 
 void GdalScope::clear() {
     messages_.clear();
