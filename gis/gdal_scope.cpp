@@ -6,18 +6,24 @@
 #include <ogrsf_frmts.h>
 
 #include <mutex>
+#include <string>
 
 namespace scree::gis {
 
 void collect_gdal_message(int severity, const char* text) {
     auto* scope = static_cast<GdalScope*>(CPLGetErrorHandlerUserData());
     if (severity < CE_Warning) return;
-    scope->messages_.emplace_back(text);
-    if (severity >= CE_Failure) scope->last_error_ = text;
+    // a damaged file can make a driver complain about every row, each time quoting the complaint before
+    constexpr std::size_t kMaxMessages = 50, kMaxLength = 1000;
+    const std::string message = std::string(text).substr(0, kMaxLength);
+    if (scope->messages_.size() < kMaxMessages) scope->messages_.push_back(message);
+    if (severity >= CE_Failure) scope->last_error_ = message;
 }
 
 namespace {
-void CPL_STDCALL handler(CPLErr severity, CPLErrorNum, const char* text) { collect_gdal_message(severity, text); }
+void CPL_STDCALL handler(CPLErr severity, CPLErrorNum, const char* text) {
+    collect_gdal_message(severity, text);
+}
 }  // namespace
 
 GdalScope::GdalScope() {
@@ -26,9 +32,14 @@ GdalScope::GdalScope() {
     CPLPushErrorHandlerEx(handler, this);
 }
 
-GdalScope::~GdalScope() { CPLPopErrorHandler(); }
+GdalScope::~GdalScope() {
+    CPLPopErrorHandler();
+}
 
-std::string GdalScope::reason() const { return last_error_.empty() ? std::string() : "; GDAL says: " + last_error_; }
+std::string GdalScope::reason() const {
+    const std::size_t end = last_error_.find_last_not_of(". \n");  // our sentence goes on or has its own full stop
+    return end == std::string::npos ? std::string() : "; GDAL says: " + last_error_.substr(0, end + 1);
+}
 
 void GdalScope::clear() {
     messages_.clear();

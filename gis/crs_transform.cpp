@@ -1,0 +1,64 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "gis/crs_transform.hpp"
+
+#include "gis/words.hpp"
+#include "scree/base/error.hpp"
+
+#include <proj.h>
+
+#include <cmath>
+
+namespace scree::gis {
+
+struct CrsTransform::State {
+    struct ContextDeleter {
+        void operator()(PJ_CONTEXT* c) const { proj_context_destroy(c); }
+    };
+    struct Deleter {
+        void operator()(PJ* p) const { proj_destroy(p); }
+    };
+    std::unique_ptr<PJ_CONTEXT, ContextDeleter> context;  // first: it must outlive what was made in it
+    std::unique_ptr<PJ, Deleter> operation;
+};
+
+CrsTransform::CrsTransform(const std::string& from, const std::string& to, const std::string& place)
+    : state_(std::make_unique<State>()) {
+    using Object = std::unique_ptr<PJ, State::Deleter>;
+    state_->context.reset(proj_context_create());
+    PJ_CONTEXT* context = state_->context.get();
+    proj_log_level(context, PJ_LOG_NONE);
+
+    const Object source(proj_create(context, from.c_str())), target(proj_create(context, to.c_str()));
+    const char* const options[] = {"ALLOW_BALLPARK=NO", nullptr};
+    if (source && target) {
+        const Object raw(proj_create_crs_to_crs_from_pj(context, source.get(), target.get(), nullptr, options));
+        if (raw) state_->operation.reset(proj_normalize_for_visualization(context, raw.get()));
+    }
+    if (!state_->operation) {
+        throw InputError(words(place,
+                               " cannot be transformed to the terrain's CRS: PROJ knows no transformation of stated "
+                               "accuracy between them; "
+                               "reproject the file, for example in QGIS, with the grid files that it offers."));
+    }
+}
+
+CrsTransform::~CrsTransform() = default;
+CrsTransform::CrsTransform(CrsTransform&&) noexcept = default;
+CrsTransform& CrsTransform::operator=(CrsTransform&&) noexcept = default;
+
+std::optional<Vec2> CrsTransform::operator()(const Vec2& p) {
+    proj_errno_reset(state_->operation.get());
+    const PJ_COORD result = proj_trans(state_->operation.get(), PJ_FWD, proj_coord(p.x(), p.y(), 0, HUGE_VAL));
+    if (!std::isfinite(result.xy.x) || !std::isfinite(result.xy.y)) return std::nullopt;
+    return Vec2{result.xy.x, result.xy.y};
+}
+
+CrsTransform::Operation CrsTransform::last_operation() const {
+    const std::unique_ptr<PJ, State::Deleter> used(proj_trans_get_last_used_operation(state_->operation.get()));
+    if (!used) return {};
+    const PJ_PROJ_INFO info = proj_pj_info(used.get());
+    const double accuracy = proj_coordoperation_get_accuracy(state_->context.get(), used.get());
+    return {info.description ? info.description : "", accuracy >= 0 ? accuracy : kNaN};
+}
+
+}  // namespace scree::gis

@@ -1,0 +1,67 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "gis/dataset.hpp"
+
+#include "gis/words.hpp"
+#include "scree/base/error.hpp"
+
+#include <gdal_priv.h>
+
+#include <algorithm>
+#include <cctype>
+#include <filesystem>
+#include <fstream>
+
+namespace scree::gis {
+
+namespace {
+
+// Names such as /vsizip/a.zip/b.tif or GPKG:a.gpkg:dtm are GDAL's own and not paths of the file system.
+bool is_plain_path(const std::string& file) {
+    return file.rfind("/vsi", 0) != 0 && file.find(':') == std::string::npos && file.find('<') == std::string::npos;
+}
+
+bool starts_like_a_web_page(const std::string& file) {
+    std::ifstream in(file, std::ios::binary);
+    std::string head(512, '\0');
+    in.read(head.data(), static_cast<std::streamsize>(head.size()));
+    head.resize(static_cast<std::size_t>(in.gcount()));
+    std::transform(head.begin(), head.end(), head.begin(),
+                   [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+    return head.find("<html") != std::string::npos || head.find("<!doctype") != std::string::npos;
+}
+
+// Why a file cannot be opened, as far as the file itself tells; empty if it does not.
+std::string trouble_with_file(const std::string& file) {
+    namespace fs = std::filesystem;
+    std::error_code error;
+    if (!fs::exists(file, error)) return "the file does not exist; check the path";
+    if (fs::is_directory(file, error)) return {};
+    if (fs::file_size(file, error) == 0 && !error) return "the file is empty; copy or download it again";
+    if (!std::ifstream(file)) return "the file cannot be opened for reading; check its permissions";
+    if (starts_like_a_web_page(file))
+        return "the content is a web page (HTML), perhaps of a login or an error; download it again";
+    return {};
+}
+
+}  // namespace
+
+void DatasetCloser::operator()(GDALDataset* dataset) const {
+    GDALClose(dataset);
+}
+
+DatasetPtr open_dataset(const std::string& file, DatasetKind kind, const std::string& purpose, const GdalScope& scope) {
+    if (file.empty()) throw InputError(words("No file is given for the ", purpose, "; name one."));
+    const std::string trouble = is_plain_path(file) ? trouble_with_file(file) : std::string();
+    if (!trouble.empty()) throw InputError(words("Cannot read the ", purpose, " '", file, "': ", trouble, "."));
+
+    const unsigned wanted = kind == DatasetKind::Raster ? GDAL_OF_RASTER : GDAL_OF_VECTOR;
+    DatasetPtr dataset(GDALDataset::Open(file.c_str(), GDAL_OF_READONLY | GDAL_OF_VERBOSE_ERROR | wanted));
+    if (!dataset) {
+        const char* form = kind == DatasetKind::Raster ? "a raster" : "a vector file";
+        throw InputError(words("Cannot read the ", purpose, " '", file, "': it is not ", form,
+                               " that can be opened, or it is damaged", scope.reason(), "."));
+    }
+    return dataset;
+}
+
+}  // namespace scree::gis
