@@ -2,76 +2,32 @@
 // OGC 12-128r17, GeoPackage Encoding Standard 1.3: contents (1.1.3), attributes (2.4), extensions (2.3), metadata (F.8), schema (F.9).
 #include "gis/geopackage_tables.hpp"
 
+#include "gis/database.hpp"
 #include "gis/output_scope.hpp"
 #include "gis/xml.hpp"
-#include "scree/base/error.hpp"
 
-#include <sqlite3.h>
-
-#include <memory>
-#include <set>
+#include <initializer_list>
+#include <string_view>
 
 namespace scree::gis {
 
 namespace {
 
-// --- SQLite in three calls ---
-
-class Database {
-public:
-    explicit Database(const std::filesystem::path& file) : file_(file.string()) {
-        sqlite3* opened = nullptr;
-        const int status = sqlite3_open_v2(file_.c_str(), &opened, SQLITE_OPEN_READWRITE, nullptr);
-        handle_.reset(opened);
-        if (status != SQLITE_OK) fail();
-    }
-
-    void run(const std::string& sql) {
-        if (sqlite3_exec(handle_.get(), sql.c_str(), nullptr, nullptr, nullptr) != SQLITE_OK) fail();
-    }
-
-    /// INSERT with a text for each question mark; null pointers are NULL.
-    void insert(const std::string& sql, std::initializer_list<const std::string*> values) {
-        sqlite3_stmt* prepared = nullptr;
-        if (sqlite3_prepare_v2(handle_.get(), sql.c_str(), -1, &prepared, nullptr) != SQLITE_OK) fail();
-        const std::unique_ptr<sqlite3_stmt, int (*)(sqlite3_stmt*)> statement(prepared, sqlite3_finalize);
-        int at = 0;
-        for (const std::string* value : values) {
-            ++at;
-            const int status =
-                value ? sqlite3_bind_text64(prepared, at, value->data(), value->size(), SQLITE_STATIC, SQLITE_UTF8)
-                      : sqlite3_bind_null(prepared, at);
-            if (status != SQLITE_OK) fail();
-        }
-        if (sqlite3_step(prepared) != SQLITE_DONE) fail();
-    }
-
-private:
-    [[noreturn]] void fail() const {
-        throw ComputeError(
-            file_ + ": styles and provenance could not be stored; SQLite says: " + sqlite3_errmsg(handle_.get()));
-    }
-
-    std::string file_;
-    std::unique_ptr<sqlite3, int (*)(sqlite3*)> handle_{nullptr, sqlite3_close};
-};
+/// INSERT with a text for each question mark.
+void insert(Database& db, const std::string& sql, std::initializer_list<std::string_view> values) {
+    Statement statement = db.prepare(sql);
+    int place = 0;
+    for (const std::string_view value : values) statement.bind(++place, value);
+    statement.run();
+}
 
 /// A table that is neither map nor raster, made known to the GeoPackage.
 void register_attributes(Database& db, const std::string& table, const std::string& description) {
     const std::string now = kFixedTimestamp;
-    db.insert(
-        "INSERT INTO gpkg_contents (table_name, data_type, identifier, description, last_change, srs_id)"
-        " VALUES (?1, 'attributes', ?1, ?2, ?3, 0)",
-        {&table, &description, &now});
-}
-
-void register_extension(Database& db, const std::string& table, const std::string& extension,
-                        const std::string& definition) {
-    db.insert(
-        "INSERT OR IGNORE INTO gpkg_extensions (table_name, column_name, extension_name, definition, scope)"
-        " SELECT ?1, NULL, ?2, ?3, 'read-write' WHERE NOT EXISTS"
-        " (SELECT 1 FROM gpkg_extensions WHERE table_name = ?1 AND extension_name = ?2)",
-        {&table, &extension, &definition});
+    insert(db,
+           "INSERT INTO gpkg_contents (table_name, data_type, identifier, description, last_change, srs_id)"
+           " VALUES (?1, 'attributes', ?1, ?2, ?3, 0)",
+           {table, description, now});
 }
 
 // --- styles ---
@@ -93,11 +49,12 @@ void write_styles(Database& db, std::span<const VectorLayer> layers, std::span<c
             const std::string qml = qml_document(vector_qgis_style(layer, style, written[i].colour_ranges[k]));
             const std::string is_default = k == 0 ? "1" : "0";
             // the schema must be '': QGIS does not find a style whose schema is NULL
-            db.insert(
+            insert(
+                db,
                 "INSERT INTO layer_styles (f_table_catalog, f_table_schema, f_table_name, f_geometry_column, styleName,"
                 " styleQML, styleSLD, useAsDefault, description, owner, update_time)"
                 " VALUES ('', '', ?1, ?2, ?3, ?4, '', CAST(?5 AS INTEGER), ?6, '', ?7)",
-                {&layer.data.name, &column, &style.name, &qml, &is_default, &layer.description, &now});
+                {layer.data.name, column, style.name, qml, is_default, layer.description, now});
         }
     }
 }
@@ -116,13 +73,13 @@ void write_aliases(Database& db, std::span<const VectorLayer> layers) {
         " min NUMERIC, min_is_inclusive BOOLEAN, max NUMERIC, max_is_inclusive BOOLEAN, description TEXT,"
         " CONSTRAINT gdcc_ntv UNIQUE (constraint_name, constraint_type, value))");
     const std::string definition = "http://www.geopackage.org/spec121/#extension_schema";
-    register_extension(db, "gpkg_data_columns", "gpkg_schema", definition);
-    register_extension(db, "gpkg_data_column_constraints", "gpkg_schema", definition);
+    register_extension(db, "gpkg_data_columns", "", "gpkg_schema", definition, "read-write");
+    register_extension(db, "gpkg_data_column_constraints", "", "gpkg_schema", definition, "read-write");
     for (const VectorLayer& layer : layers) {
         for (const Field& field : layer.data.fields) {
             if (field.alias.empty()) continue;
-            db.insert("INSERT INTO gpkg_data_columns (table_name, column_name, name, title) VALUES (?1, ?2, ?2, ?3)",
-                      {&layer.data.name, &field.name, &field.alias});
+            insert(db, "INSERT INTO gpkg_data_columns (table_name, column_name, name, title) VALUES (?1, ?2, ?2, ?3)",
+                   {layer.data.name, field.name, field.alias});
         }
     }
 }
@@ -163,7 +120,7 @@ void write_provenance(Database& db, const std::string& title, std::span<const Pr
     db.run("CREATE TABLE run (id INTEGER PRIMARY KEY AUTOINCREMENT NOT NULL, key TEXT NOT NULL, value TEXT NOT NULL)");
     register_attributes(db, "run", "How this result came about: settings, version, seed, inputs, counts");
     for (const ProvenanceEntry& entry : provenance) {
-        db.insert("INSERT INTO run (key, value) VALUES (?1, ?2)", {&entry.key, &entry.value});
+        insert(db, "INSERT INTO run (key, value) VALUES (?1, ?2)", {entry.key, entry.value});
     }
 
     // GDAL may have made the tables for metadata of rasters
@@ -179,18 +136,18 @@ void write_provenance(Database& db, const std::string& title, std::span<const Pr
         " CONSTRAINT crmr_mfi_fk FOREIGN KEY (md_file_id) REFERENCES gpkg_metadata(id),"
         " CONSTRAINT crmr_mpi_fk FOREIGN KEY (md_parent_id) REFERENCES gpkg_metadata(id))");
     const std::string definition = "http://www.geopackage.org/spec121/#extension_metadata";
-    register_extension(db, "gpkg_metadata", "gpkg_metadata", definition);
-    register_extension(db, "gpkg_metadata_reference", "gpkg_metadata", definition);
+    register_extension(db, "gpkg_metadata", "", "gpkg_metadata", definition, "read-write");
+    register_extension(db, "gpkg_metadata_reference", "", "gpkg_metadata", definition, "read-write");
     const std::string record = lineage_record(title, provenance);
     const std::string now = kFixedTimestamp;
-    db.insert(
-        "INSERT INTO gpkg_metadata (md_scope, md_standard_uri, mime_type, metadata)"
-        " VALUES ('dataset', 'http://www.isotc211.org/2005/gmd', 'text/xml', ?1)",
-        {&record});
-    db.insert(
-        "INSERT INTO gpkg_metadata_reference (reference_scope, timestamp, md_file_id)"
-        " VALUES ('geopackage', ?1, (SELECT max(id) FROM gpkg_metadata))",
-        {&now});
+    insert(db,
+           "INSERT INTO gpkg_metadata (md_scope, md_standard_uri, mime_type, metadata)"
+           " VALUES ('dataset', 'http://www.isotc211.org/2005/gmd', 'text/xml', ?1)",
+           {record});
+    insert(db,
+           "INSERT INTO gpkg_metadata_reference (reference_scope, timestamp, md_file_id)"
+           " VALUES ('geopackage', ?1, (SELECT max(id) FROM gpkg_metadata))",
+           {now});
 }
 
 }  // namespace
@@ -199,12 +156,7 @@ void write_geopackage_tables(const std::filesystem::path& geopackage, const std:
                              std::span<const VectorLayer> layers, std::span<const WrittenLayer> written,
                              std::span<const ProvenanceEntry> provenance) {
     Database db(geopackage);
-    db.run("PRAGMA synchronous = OFF");  // the whole folder is flushed once it is complete
     db.run("BEGIN");
-    db.run(
-        "CREATE TABLE IF NOT EXISTS gpkg_extensions (table_name TEXT, column_name TEXT, extension_name TEXT NOT NULL,"
-        " definition TEXT NOT NULL, scope TEXT NOT NULL,"
-        " CONSTRAINT ge_tce UNIQUE (table_name, column_name, extension_name))");
     write_aliases(db, layers);
     write_styles(db, layers, written);
     write_provenance(db, title, provenance);

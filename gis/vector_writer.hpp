@@ -21,7 +21,7 @@ struct WrittenLayer {
 };
 
 /// Writes the layers into a new GeoPackage in one transaction, with a spatial index each, features in the order given, shifted
-/// back to the map frame. NaN becomes NULL. Memory does not grow with the number of features of layers that use `next`.
+/// back to the map frame. NaN becomes NULL. Layers that use `next` take 24 bytes of memory per feature.
 /// Throws InputError for names, fields and geometries that do not fit (naming layer, feature and remedy), ComputeError where
 /// writing fails; the file is then useless. No styles: write_results() adds them.
 std::vector<WrittenLayer> write_vector_layers(const std::filesystem::path& geopackage, const LocalFrame& frame,

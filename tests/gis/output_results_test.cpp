@@ -242,7 +242,8 @@ TEST(ResultsFolder, AFolderThatCannotBeWrittenIsRefusedAtOnce) {
     EXPECT_THAT(message_of([] { require_free_results_folder("/proc/scree/out", false); }), HasSubstr("/proc"));
     const test::TempDir dir;
     put(dir / "file", "");
-    EXPECT_THAT(message_of([&] { require_free_results_folder(dir / "file/out", false); }), HasSubstr("nothing can be created in"));
+    EXPECT_THAT(message_of([&] { require_free_results_folder(dir / "file/out", false); }),
+                HasSubstr("nothing can be created in"));
 }
 
 TEST(Results, NamesAndTitlesMustDiffer) {
