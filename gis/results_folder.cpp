@@ -1,0 +1,163 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "gis/results_folder.hpp"
+
+#include "gis/sha256.hpp"
+#include "scree/base/error.hpp"
+
+#include <fcntl.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <cerrno>
+#include <cstdio>
+#include <cstring>
+#include <fstream>
+#include <set>
+#include <vector>
+
+namespace scree::gis {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+/// Absolute, without links or a slash at the end: the temporary folder must lie on the same disc as the final one.
+fs::path resolved(const fs::path& folder) {
+    fs::path path = fs::weakly_canonical(fs::absolute(folder));
+    return path.has_filename() ? path : path.parent_path();
+}
+
+/// Files and links below the folder, relative to it, sorted.
+std::vector<fs::path> files_below(const fs::path& folder) {
+    std::vector<fs::path> files;
+    for (const auto& entry : fs::recursive_directory_iterator(folder)) {
+        if (!entry.is_directory() || entry.is_symlink()) files.push_back(entry.path().lexically_relative(folder));
+    }
+    std::ranges::sort(files);
+    return files;
+}
+
+/// Hands a file or a folder to the disc, so that a power cut after the swap finds it whole.
+void flush(const fs::path& path) {
+    const int file = ::open(path.c_str(), O_RDONLY | O_CLOEXEC);
+    const bool flushed = file >= 0 && (::fsync(file) == 0 || errno == EINVAL);  // EINVAL: a file system that cannot
+    const int reason = errno;
+    if (file >= 0) ::close(file);
+    if (!flushed) throw ComputeError(path.string() + ": could not be flushed to disc: " + std::strerror(reason));
+}
+
+void write_checksums(const fs::path& folder) {
+    std::string lines;
+    for (const fs::path& file : files_below(folder)) {
+        lines += sha256_of_file(folder / file) + "  " + file.generic_string() + "\n";
+    }
+    std::ofstream out(folder / kChecksumFile, std::ios::binary);
+    out << lines;
+    if (!out.flush())
+        throw ComputeError((folder / kChecksumFile).string() + ": could not be stored; check that the disc has room");
+}
+
+/// What an earlier result listed as its own.
+std::set<fs::path> listed_files(const fs::path& folder) {
+    constexpr std::size_t kHashAndBlanks = 66;
+    std::set<fs::path> files = {kChecksumFile};
+    std::ifstream in(folder / kChecksumFile);
+    for (std::string line; std::getline(in, line);) {
+        if (line.size() > kHashAndBlanks) files.insert(line.substr(kHashAndBlanks));
+    }
+    return files;
+}
+
+/// Ours, or what a GIS puts beside a file of ours when it opens it.
+bool belongs_to_result(const fs::path& file, const std::set<fs::path>& listed) {
+    if (listed.contains(file)) return true;
+    const std::string name = file.generic_string();
+    static constexpr std::array<std::string_view, 5> kCompanions = {"-wal", "-shm", "-journal", ".aux.xml", "~"};
+    return std::ranges::any_of(kCompanions, [&](std::string_view suffix) {
+        return name.ends_with(suffix) && listed.contains(name.substr(0, name.size() - suffix.size()));
+    });
+}
+
+/// Moves what is not ours from the folder of an earlier result to the new one. Where both have the name, the old file gets the
+/// suffix .previous: nothing of the user's is ever deleted.
+void keep_other_files(const fs::path& before, const fs::path& now) {
+    const std::set<fs::path> listed = listed_files(before);
+    for (const fs::path& file : files_below(before)) {
+        if (belongs_to_result(file, listed)) continue;
+        fs::path target = now / file;
+        while (fs::exists(fs::symlink_status(target))) target += ".previous";
+        fs::create_directories(target.parent_path());
+        fs::rename(before / file, target);
+    }
+}
+
+/// Puts one folder in the place of another. True if the other one now has the first one's name.
+bool swap_folders(const fs::path& staging, const fs::path& target) {
+    if (!fs::exists(target)) {
+        fs::rename(staging, target);
+        return false;
+    }
+    if (::renameat2(AT_FDCWD, staging.c_str(), AT_FDCWD, target.c_str(), RENAME_EXCHANGE) == 0) return true;
+    // a file system that cannot exchange names: two steps, between which the folder is missing but nothing is lost
+    const fs::path aside = staging.string() + ".previous";
+    fs::rename(target, aside);
+    fs::rename(staging, target);
+    fs::rename(aside, staging);
+    return true;
+}
+
+}  // namespace
+
+void require_free_results_folder(const fs::path& folder, bool overwrite) {
+    const fs::path path = resolved(folder);
+    const std::string name = folder.string();
+    if (fs::exists(path) && !fs::is_directory(path)) {
+        throw InputError(name + ": is a file, but results go into a folder; choose another --output");
+    }
+    if (fs::exists(path) && !fs::is_empty(path)) {
+        if (!fs::exists(path / kChecksumFile)) {
+            throw InputError(name + ": holds files but no earlier result (there is no " + kChecksumFile +
+                             " in it), and is left alone; choose another --output");
+        }
+        if (!overwrite) {
+            throw InputError(name + ": holds a result already; choose another --output or replace it with --overwrite");
+        }
+    }
+    // the new folder is made beside the final one: try it, permission bits do not tell all
+    fs::path parent = path.parent_path();
+    while (!fs::exists(parent) && parent.has_relative_path()) parent = parent.parent_path();
+    const fs::path probe = parent / (".scree-probe-" + std::to_string(::getpid()));
+    std::error_code refused;
+    if (!fs::create_directory(probe, refused)) {
+        throw InputError(name + ": results cannot be written, because nothing can be created in " + parent.string() +
+                         " (" + refused.message() + "); choose another --output");
+    }
+    fs::remove(probe);
+}
+
+ResultsFolder::ResultsFolder(const fs::path& folder, bool overwrite) : final_(resolved(folder)) {
+    require_free_results_folder(folder, overwrite);
+    staging_ = final_.string() + ".partial-" + std::to_string(::getpid());
+    fs::remove_all(staging_);  // of a process that had our number and was killed
+    fs::create_directories(staging_);
+}
+
+ResultsFolder::~ResultsFolder() {
+    std::error_code ignored;
+    if (!committed_) fs::remove_all(staging_, ignored);
+}
+
+void ResultsFolder::commit() {
+    write_checksums(staging_);
+    for (const fs::path& file : files_below(staging_)) flush(staging_ / file);
+    flush(staging_);
+    const bool replaced = swap_folders(staging_, final_);
+    committed_ = true;
+    flush(final_.parent_path());
+    if (!replaced) return;
+    keep_other_files(staging_, final_);
+    fs::remove_all(staging_);
+}
+
+}  // namespace scree::gis

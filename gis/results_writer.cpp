@@ -1,0 +1,81 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "gis/results_writer.hpp"
+
+#include "gis/geopackage_tables.hpp"
+#include "gis/qgis_project.hpp"
+#include "gis/raster_writer.hpp"
+#include "gis/vector_writer.hpp"
+#include "scree/base/error.hpp"
+
+#include <fstream>
+#include <set>
+
+namespace scree::gis {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+/// Names are tables of one database and titles its identifiers: both must differ.
+void check_names(const ResultsPackage& package) {
+    std::set<std::string> names;
+    std::set<std::string> titles = {"run", "layer_styles"};
+    const auto add = [&](const std::string& name, const std::string& title) {
+        if (!names.insert(name).second) {
+            throw InputError("results: the layer name \"" + name + "\" is given twice; names of layers must differ");
+        }
+        if (!titles.insert(title).second) {
+            throw InputError("results, layer " + name + ": the title \"" + title +
+                             "\" is given twice; titles of layers must differ");
+        }
+    };
+    for (const VectorLayer& layer : package.vectors) add(layer.data.name, layer_title(layer, layer.data.name));
+    for (const RasterLayer& layer : package.rasters) add(layer.name, layer_title(layer, layer.name));
+
+    std::set<std::string> files = {"results.gpkg", "results.qgs", "rasters", kChecksumFile};
+    for (const TextFile& file : package.files) {
+        const bool plain = !file.name.empty() && file.name == fs::path(file.name).filename().string() &&
+                           file.name != "." && file.name != "..";
+        if (!plain || !files.insert(file.name).second) {
+            throw InputError("results: a file cannot be called \"" + file.name +
+                             "\"; allowed is a name without folders that nothing else in the results has");
+        }
+    }
+}
+
+void write_text(const fs::path& file, const std::string& text) {
+    std::ofstream out(file, std::ios::binary);
+    out << text;
+    if (!out.flush()) throw ComputeError(file.string() + ": could not be stored; check that the disc has room");
+}
+
+void write_into(ResultsFolder& results, const ResultsPackage& package) {
+    const fs::path geopackage = results.path() / "results.gpkg";
+
+    // GDAL wants the vectors of a GeoPackage before its rasters
+    const std::vector<WrittenLayer> written = write_vector_layers(geopackage, package.frame, package.vectors);
+    if (!package.rasters.empty()) fs::create_directory(results.path() / "rasters");
+    for (const RasterLayer& raster : package.rasters) {
+        append_coverage(geopackage, package.frame, raster);
+        write_geotiff(results.path() / "rasters" / (raster.name + ".tif"), package.frame, raster);
+    }
+    write_geopackage_tables(geopackage, package.title, package.vectors, written, package.provenance);
+    write_text(results.path() / "results.qgs",
+               qgis_project(package.frame, package.title, package.vectors, written, package.rasters));
+    for (const TextFile& file : package.files) write_text(results.path() / file.name, file.text);
+}
+
+}  // namespace
+
+void write_results(const fs::path& folder, const ResultsPackage& package, bool overwrite) {
+    check_names(package);
+    try {
+        ResultsFolder results(folder, overwrite);
+        write_into(results, package);
+        results.commit();
+    } catch (const fs::filesystem_error& error) {
+        throw ComputeError(folder.string() + ": the results could not be stored: " + error.what());
+    }
+}
+
+}  // namespace scree::gis
