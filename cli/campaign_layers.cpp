@@ -32,7 +32,7 @@ gis::VectorLayer stopping_points(const SiteModel& model, const CampaignResult& r
     layer.description = "End of every block thrown, with the reason; z is the height of its centre of mass";
     layer.data.name = "stopping_points";
     layer.data.kind = GeometryKind::Point;
-    layer.data.fields = {integer("block", "Block number"), text("block_id", "Block of the list"), text("reason", "Why it ended"),
+    layer.data.fields = {integer("block", "Block number"), text("block_id", "Block of the list"), text("stop_reason", "Why it ended"),
                          real("mass_kg", "Mass [kg]"), real("l1_m", "L1 [m]"), real("l2_m", "L2 [m]"), real("l3_m", "L3 [m]"),
                          real("runout_m", "Horizontal distance from release [m]"), real("drop_m", "Height lost [m]"),
                          real("path_m", "Length of the path [m]"), real("time_s", "Time since release [s]"),
@@ -80,7 +80,7 @@ gis::VectorLayer trajectories(const SiteModel& model, const CampaignResult& resu
     layer.coordinates = Coordinates::XYZM;
     layer.data.name = "trajectories";
     layer.data.kind = GeometryKind::LineString;
-    layer.data.fields = {integer("block", "Block number"), text("block_id", "Block of the list"), text("reason", "Why it ended"), real("mass_kg", "Mass [kg]"),
+    layer.data.fields = {integer("block", "Block number"), text("block_id", "Block of the list"), text("stop_reason", "Why it ended"), real("mass_kg", "Mass [kg]"),
                          real("speed_max_ms", "Largest speed [m/s]"), real("energy_max_kj", "Largest kinetic energy [kJ]"), real("runout_m", "Horizontal distance from release [m]")};
     for (const KeptTrajectory& t : result.trajectories) {
         if (t.points.size() < 2) continue;

@@ -36,10 +36,6 @@ void OutputScope::fail(const std::string& where, const std::string& sentence) co
     throw ComputeError(where + ": " + sentence + messages_.reason());
 }
 
-void DatasetCloser::operator()(GDALDataset* dataset) const {
-    GDALClose(dataset);
-}
-
 void SpatialReferenceRelease::operator()(OGRSpatialReference* srs) const {
     srs->Release();
 }

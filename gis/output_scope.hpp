@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include "gis/dataset.hpp"
 #include "gis/gdal_scope.hpp"
 #include "scree/geometry/local_frame.hpp"
 
 #include <memory>
 #include <string>
 
-class GDALDataset;
 class OGRSpatialReference;
 
 namespace scree::gis {
@@ -33,11 +33,6 @@ public:
 private:
     GdalScope messages_;
 };
-
-struct DatasetCloser {
-    void operator()(GDALDataset* dataset) const;
-};
-using DatasetHandle = std::unique_ptr<GDALDataset, DatasetCloser>;
 
 struct SpatialReferenceRelease {
     void operator()(OGRSpatialReference* srs) const;

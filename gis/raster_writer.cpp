@@ -88,10 +88,10 @@ bool write_pixels(GDALRasterBand& band, const Pixels& pixels) {
 }
 
 /// The raster in GDAL's memory, placed on the map.
-DatasetHandle in_memory(const LocalFrame& frame, OGRSpatialReference* srs, const RasterLayer& layer,
+DatasetPtr in_memory(const LocalFrame& frame, OGRSpatialReference* srs, const RasterLayer& layer,
                         const Pixels& pixels, float no_data) {
     GDALDriver* driver = GetGDALDriverManager()->GetDriverByName("MEM");
-    DatasetHandle out(driver->Create("", pixels.columns, pixels.rows, 1, GDT_Float32, nullptr));
+    DatasetPtr out(driver->Create("", pixels.columns, pixels.rows, 1, GDT_Float32, nullptr));
     if (!out) return nullptr;
     const GridShape& shape = layer.values.shape;
     // the geotransform names the outer corner of the north-western cell; ours is the south-western one
@@ -134,7 +134,7 @@ void copy_to(const char* format, const std::filesystem::path& file, GDALDataset&
              const OutputScope& scope) {
     const std::string lost = "the raster could not be stored; check that the folder is writable and the disc has room";
     GDALDriver* driver = GetGDALDriverManager()->GetDriverByName(format);
-    DatasetHandle copy(driver->CreateCopy(file.c_str(), &source, TRUE, options.List(), nullptr, nullptr));
+    DatasetPtr copy(driver->CreateCopy(file.c_str(), &source, TRUE, options.List(), nullptr, nullptr));
     if (!copy) scope.fail(file.string(), lost);
     copy.reset();
     scope.check(file.string(), lost);
@@ -148,7 +148,7 @@ void write_geotiff(const std::filesystem::path& tif, const LocalFrame& frame, co
     const SpatialReference srs = spatial_reference(frame);
     const auto no_data = std::numeric_limits<float>::quiet_NaN();
     Pixels pixels = north_first(layer.values, no_data);
-    const DatasetHandle raster = in_memory(frame, srs.get(), layer, pixels, no_data);
+    const DatasetPtr raster = in_memory(frame, srs.get(), layer, pixels, no_data);
     const bool mean = layer.theme == RasterTheme::Terrain || layer.theme == RasterTheme::Slope;
     if (!raster || !add_overviews(*raster, std::move(pixels), mean)) {
         scope.fail(tif.string(), "the raster could not be prepared in memory");
@@ -179,7 +179,7 @@ void append_coverage(const std::filesystem::path& geopackage, const LocalFrame& 
     const OutputScope scope;
     const SpatialReference srs = geopackage_spatial_reference(frame);
     const Pixels pixels = north_first(layer.values, kCoverageNoData);
-    const DatasetHandle raster = in_memory(frame, srs.get(), layer, pixels, kCoverageNoData);
+    const DatasetPtr raster = in_memory(frame, srs.get(), layer, pixels, kCoverageNoData);
     if (!raster)
         scope.fail(geopackage.string() + ", raster " + layer.name, "the raster could not be prepared in memory");
     const std::string& title = layer_title(layer, layer.name);

@@ -353,7 +353,7 @@ std::vector<WrittenLayer> write_vector_layers(const std::filesystem::path& geopa
     const OutputScope scope;
     const SpatialReference srs = geopackage_spatial_reference(frame);
     GDALDriver* driver = GetGDALDriverManager()->GetDriverByName("GPKG");
-    DatasetHandle file(driver->Create(geopackage.c_str(), 0, 0, 0, GDT_Unknown, nullptr));
+    DatasetPtr file(driver->Create(geopackage.c_str(), 0, 0, 0, GDT_Unknown, nullptr));
     if (!file)
         scope.fail(geopackage.string(),
                    "the GeoPackage could not be created; check that its folder exists and is writable");

@@ -1,0 +1,106 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "cli/app.hpp"
+
+#include "cli/commands.hpp"
+
+#include <CLI/CLI.hpp>
+
+#include <algorithm>
+#include <array>
+#include <new>
+#include <ostream>
+
+namespace scree::cli {
+
+namespace {
+
+enum class Target { Site, Folder, None };
+
+struct Command {
+    const char* name;
+    const char* description;
+    Target target;
+    bool writes_results;  ///< takes --output, --overwrite
+    bool computes;        ///< takes --threads, --progress
+    ExitCode (*run)(const Context&);
+};
+
+/// Every command. To add one, add its file and an entry here.
+constexpr std::array kCommands{
+    Command{"init", "Write a folder with a commented site.toml to fill in", Target::Folder, false, false, run_init},
+    Command{"check", "Read and judge every input of a site; nothing is run", Target::Site, false, false, run_check},
+    Command{"terrain", "Write the model terrain as layers: heights, slope, facets with soils", Target::Site, true, false, run_terrain},
+    Command{"run", "Throw the blocks of a site and write results for a GIS", Target::Site, true, true, run_run},
+    Command{"settings", "Print the reference manual of all keys of the site file", Target::None, false, false, run_settings},
+};
+
+void add_options(CLI::App& sub, const Command& command, Context& context) {
+    if (command.target == Target::Site) {
+        sub.add_option("SITE", context.target, "Site file (site.toml)")->required();
+        sub.add_option("--set", context.changes, "Change a key of the site file for this run: --set release.count=50 (repeatable)")->expected(1)->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
+        sub.add_option_function<std::int64_t>("--seed", [&](std::int64_t seed) { context.changes.push_back("model.seed=" + std::to_string(seed)); }, "Short for --set model.seed=N");
+        sub.add_flag("--quiet,-q", context.quiet, "No progress and no summary, only warnings and errors");
+    }
+    if (command.target == Target::Folder) sub.add_option("FOLDER", context.target, "Folder of the new site")->required();
+    if (command.writes_results) {
+        sub.add_option("--output", context.output, "Folder of the results (default: output.directory of the site file)");
+        sub.add_flag("--overwrite", context.overwrite, "Replace results that are there already");
+    }
+    if (command.computes) {
+        sub.add_option("--threads", context.threads, "Number of threads; 0 is all cores. Does not change the results")->check(CLI::Range(0, 1024));
+        sub.add_option_function<std::string>("--progress", [&](const std::string& style) { context.progress = style == "json" ? ProgressStyle::Json : ProgressStyle::Automatic; },
+                                             "auto, or json: one JSON object a line on the error stream")->check(CLI::IsMember({"auto", "json"}));
+    }
+    if (std::string(command.name) == "settings") sub.add_option("--format", context.format, "markdown (for a reader) or toml (a site file with all defaults)")->check(CLI::IsMember({"markdown", "toml"}));
+}
+
+ExitCode dispatch(const std::vector<std::string>& args, Context& context) {
+    CLI::App app{"Scree predicts where falling rocks go: rigid blocks of real shape on a georeferenced terrain, results for a GIS.", "scree"};
+    app.set_version_flag("--version", version());
+    app.require_subcommand(1);
+    app.footer("A first run: sample_sites/quickstart.sh. Keys of the site file: scree settings. Exit codes: 0 done, 2 usage, 3 bad input, 4 could not compute, 130 interrupted.");
+    for (const Command& command : kCommands) add_options(*app.add_subcommand(command.name, command.description), command, context);
+    std::vector<std::string> reversed(args.rbegin(), args.rend());
+    try {
+        app.parse(reversed);
+    } catch (const CLI::ParseError& e) {
+        const int code = app.exit(e, *context.out, *context.err);
+        return code == 0 ? ExitCode::Done : ExitCode::Usage;
+    }
+    for (const Command& command : kCommands)
+        if (app.got_subcommand(command.name)) return command.run(context);
+    return ExitCode::Usage;
+}
+
+}  // namespace
+
+std::string version() { return SCREE_VERSION; }
+
+void print_warnings(const Context& context, const std::vector<std::string>& warnings) {
+    std::vector<std::string> seen;
+    for (const std::string& w : warnings) {
+        if (std::find(seen.begin(), seen.end(), w) != seen.end()) continue;
+        seen.push_back(w);
+        *context.err << "warning: " << w << "\n";
+    }
+}
+
+// The only place that catches: every error becomes one sentence and an exit code.
+int run(const std::vector<std::string>& args, std::ostream& out, std::ostream& err) {
+    Context context;
+    context.out = &out;
+    context.err = &err;
+    try {
+        return static_cast<int>(dispatch(args, context));
+    } catch (const InputError& e) {
+        err << "error: " << e.what() << "\n";
+        return static_cast<int>(ExitCode::BadInput);
+    } catch (const std::bad_alloc&) {
+        err << "error: not enough memory: take a coarser resolution or a smaller DTM\n";
+    } catch (const std::exception& e) {
+        err << "error: " << e.what() << "\n";
+    }
+    return static_cast<int>(ExitCode::CouldNotCompute);
+}
+
+}  // namespace scree::cli

@@ -1,0 +1,107 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "cli/commands.hpp"
+#include "cli/site_model.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <iomanip>
+#include <ostream>
+#include <sstream>
+
+namespace scree::cli {
+
+namespace {
+
+std::string fixed(double value, int digits) {
+    std::ostringstream s;
+    s << std::fixed << std::setprecision(digits) << value;
+    return s.str();
+}
+
+std::string crs_text(const std::string& name) { return name.empty() ? "unknown CRS" : name; }
+
+std::string layer_text(const gis::VectorData& data) {
+    std::string text = std::to_string(data.layer.features.size()) + " feature" + (data.layer.features.size() == 1 ? "" : "s") + ", " + crs_text(data.report.crs_name);
+    if (!data.report.operation.empty()) {
+        text += ", transformed by " + data.report.operation;
+        text += std::isnan(data.report.accuracy) ? " (accuracy unknown)" : " (accuracy " + fixed(data.report.accuracy, 1) + " m)";
+    }
+    return text;
+}
+
+void print_terrain(std::ostream& out, const SiteTerrain& t) {
+    const GridShape& g = t.grid.shape;
+    const MapPoint low = t.frame.to_map({g.bounds().min.x(), g.bounds().min.y(), 0.0}), high = t.frame.to_map({g.bounds().max.x(), g.bounds().max.y(), 0.0});
+    out << "terrain        " << t.dtm_report.file << " (" << t.dtm_report.driver << ", " << t.dtm_report.data_type << ")\n"
+        << "               " << crs_text(t.dtm_report.crs_name) << "\n"
+        << "               cells of " << t.dtm_cell_x << " x " << t.dtm_cell_y << " m, " << fixed(100.0 * t.dtm_report.valid_fraction, 1) << " % valid, heights "
+        << fixed(t.dtm_report.min_height, 1) << " to " << fixed(t.dtm_report.max_height, 1) << " m\n"
+        << "               easting " << fixed(low.easting, 1) << " to " << fixed(high.easting, 1) << ", northing " << fixed(low.northing, 1) << " to "
+        << fixed(high.northing, 1) << "\n"
+        << "model          " << g.columns << " x " << g.rows << " cells of " << g.cell << " m; differs from the DTM by " << fixed(t.resample_report.rms_difference, 3)
+        << " m (rms), " << fixed(t.resample_report.max_difference, 2) << " m (largest)\n"
+        << "               " << t.surface_report << "\n";
+    double area = 0.0;
+    for (const double a : t.soil_report.area) area += a;
+    for (std::size_t k = 0; k < t.soil_report.soils.size(); ++k)
+        out << (k == 0 ? "soils          " : "               ") << t.soil_report.soils[k] << ": " << fixed(t.soil_report.area[k], 0) << " m2 ("
+            << fixed(100.0 * t.soil_report.area[k] / std::max(area, 1e-9), 1) << " %)\n";
+    if (t.soil_report.gap_area > 0.0) out << "               " << fixed(t.soil_report.gap_area, 0) << " m2 lie in no zone and take the default soil\n";
+    if (t.soil_report.divided_area > 0.0)
+        out << "               " << fixed(t.soil_report.divided_area, 0) << " m2 are facets on a boundary between soils, each with the soil of its centroid\n";
+}
+
+void print_blocks(std::ostream& out, const SiteModel& m) {
+    const BlockPopulation& p = m.campaign.population;
+    if (p.list.empty()) {
+        out << "blocks         drawn from distributions, volume law " << kVolumeLawNames[static_cast<std::size_t>(p.distribution.law)];
+    } else {
+        auto [light, heavy] = std::minmax_element(p.list.begin(), p.list.end(), [](const auto& a, const auto& b) { return a.mass < b.mass; });
+        auto [small, large] = std::minmax_element(p.list.begin(), p.list.end(), [](const auto& a, const auto& b) { return a.size.x() < b.size.x(); });
+        out << "blocks         " << p.list.size() << " rows, " << fixed(light->mass, 0) << " to " << fixed(heavy->mass, 0) << " kg, L1 " << fixed(small->size.x(), 2) << " to "
+            << fixed(large->size.x(), 2) << " m";
+    }
+    out << "; shape " << kBlockShapeNames[static_cast<std::size_t>(p.shape.shape)] << "\n";
+}
+
+/// What the first blocks would start with: heights over the ground and how many had to be lifted.
+void print_release(std::ostream& out, const SiteModel& m) {
+    const CampaignInput& c = m.campaign;
+    out << "release        " << layer_text(m.release) << "; " << c.release.count << " blocks from " << c.release.height << " m\n";
+    const std::int64_t tried = std::min<std::int64_t>(c.release.count, 200);
+    std::int64_t lifted = 0;
+    double most = 0.0, low = kInfinity, high = -kInfinity;
+    for (std::int64_t k = 0; k < tried; ++k) {
+        std::int64_t feature = 0;
+        double raised = 0.0;
+        const PopulationBlock block = draw_block(c.population, c.seed, static_cast<std::uint64_t>(k));
+        const BlockState<3> state = draw_release(c.release, *c.area, *c.surface, block.body, c.seed, static_cast<std::uint64_t>(k), feature, raised);
+        lifted += raised > 0.0 ? 1 : 0;
+        most = std::max(most, raised);
+        low = std::min(low, state.position.z());
+        high = std::max(high, state.position.z());
+    }
+    out << "               the first " << tried << " start at heights " << fixed(low + m.terrain.frame.height, 1) << " to " << fixed(high + m.terrain.frame.height, 1) << " m; " << lifted
+        << " were lifted to start free of the ground" << (lifted > 0 ? ", by up to " + fixed(most, 2) + " m" : "") << "\n";
+}
+
+}  // namespace
+
+ExitCode run_check(const Context& context) {
+    const SiteFile site = context.read_site();
+    const SiteModel model = load_site(site);
+    print_warnings(context, model.warnings);
+    if (context.quiet) return ExitCode::Done;
+    std::ostream& out = *context.out;
+    out << "site           " << site.settings.name << " (" << site.file.string() << ")\n";
+    print_terrain(out, model.terrain);
+    if (model.terrain.zones) out << "zones          " << layer_text(*model.terrain.zones) << "\n";
+    print_blocks(out, model);
+    print_release(out, model);
+    if (model.screens) out << "screens        " << layer_text(*model.screens) << "\n";
+    if (model.deposit_zones) out << "deposit zones  " << layer_text(*model.deposit_zones) << "\n";
+    out << "Inputs are good" << (model.warnings.empty() ? "" : ", with warnings") << ". Next: scree run " << site.file.string() << "\n";
+    return ExitCode::Done;
+}
+
+}  // namespace scree::cli

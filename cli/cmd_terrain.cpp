@@ -1,0 +1,97 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "cli/campaign_layers.hpp"
+#include "cli/commands.hpp"
+#include "cli/settings.hpp"
+#include "cli/site_model.hpp"
+#include "gis/results_writer.hpp"
+#include "scree/base/units.hpp"
+
+#include <cmath>
+#include <limits>
+#include <ostream>
+
+namespace scree::cli {
+
+namespace {
+
+double slope_deg(const Vec3& normal) { return degrees_from_radians(std::acos(std::min(1.0, normal.z()))); }
+
+/// Facets one by one: there may be millions.
+gis::VectorLayer facets_layer(const SiteTerrain& terrain) {
+    gis::VectorLayer layer;
+    layer.title = "Facets";
+    layer.description = "Triangles of the model terrain with their soil";
+    layer.coordinates = gis::Coordinates::XY;
+    layer.visible = false;
+    layer.data.name = "facets";
+    layer.data.kind = GeometryKind::Polygon;
+    layer.data.fields = {{"facet", FieldType::Integer, "Facet number"}, {"soil", FieldType::Text, "Soil"}, {"slope_deg", FieldType::Real, "Slope [deg]"}};
+    layer.next = [&terrain, f = std::int64_t{0}](Feature& feature) mutable {
+        std::array<Vec3, 3> c;
+        SoilId soil = 0;
+        while (f < terrain.surface->facet_count() && !terrain.surface->facet(f, c, soil)) ++f;
+        if (f >= terrain.surface->facet_count()) return false;
+        feature.id = f + 1;
+        feature.geometry = MultiPolygon{Polygon{{c[0].head<2>(), c[1].head<2>(), c[2].head<2>()}, {}}};
+        feature.values = {f, terrain.soil_report.soils[soil], slope_deg((c[1] - c[0]).cross(c[2] - c[0]).normalized())};
+        ++f;
+        return true;
+    };
+    return layer;
+}
+
+gis::RasterLayer heights_layer(const SiteTerrain& terrain) {
+    gis::RasterLayer layer;
+    layer.name = "model_height_m";
+    layer.title = "Model terrain";
+    layer.unit = "m";
+    layer.quantity_definition = "height of the model terrain at the centre of the cell, in the datum of the DTM";
+    layer.theme = gis::RasterTheme::Terrain;
+    layer.visible = true;
+    layer.values = Grid<float>(terrain.grid.shape);
+    for (std::size_t k = 0; k < terrain.grid.values.size(); ++k) layer.values.values[k] = static_cast<float>(terrain.grid.values[k] + terrain.frame.height);
+    return layer;
+}
+
+/// Mean slope of the four facets around a node is what a map shows: from the normal of the surface around the centre of the cell.
+gis::RasterLayer slope_layer(const SiteTerrain& terrain) {
+    const Grid<double>& g = terrain.grid;
+    gis::RasterLayer layer;
+    layer.name = "slope_deg";
+    layer.title = "Slope";
+    layer.unit = "deg";
+    layer.quantity_definition = "slope of the model terrain at the centre of the cell, by central differences";
+    layer.theme = gis::RasterTheme::Slope;
+    layer.values = Grid<float>(g.shape, std::numeric_limits<float>::quiet_NaN());
+    for (int j = 1; j + 1 < g.shape.rows; ++j) {
+        for (int i = 1; i + 1 < g.shape.columns; ++i) {
+            const double dx = (g.at(i + 1, j) - g.at(i - 1, j)) / (2.0 * g.shape.cell), dy = (g.at(i, j + 1) - g.at(i, j - 1)) / (2.0 * g.shape.cell);
+            layer.values.at(i, j) = static_cast<float>(degrees_from_radians(std::atan(std::hypot(dx, dy))));
+        }
+    }
+    return layer;
+}
+
+}  // namespace
+
+ExitCode run_terrain(const Context& context) {
+    const SiteFile site = context.read_site();
+    std::filesystem::path folder = context.results_folder(site);
+    if (context.output.empty()) folder += "_terrain";
+    gis::require_free_results_folder(folder, context.overwrite);
+    const SiteTerrain terrain = load_terrain(site);
+    print_warnings(context, terrain.warnings);
+
+    gis::ResultsPackage package;
+    package.frame = terrain.frame;
+    package.title = site.settings.name + ": terrain";
+    package.vectors.push_back(facets_layer(terrain));
+    if (terrain.zones) package.vectors.push_back(input_layer(*terrain.zones, "soil_zones", "Soil zones", ""));
+    package.rasters = {slope_layer(terrain), heights_layer(terrain)};
+    package.provenance = {{"program", "scree " + version()}, {"site", site.settings.name}, {"surface", terrain.surface_report}};
+    gis::write_results(folder, package, context.overwrite);
+    if (!context.quiet) *context.out << terrain.surface_report << "\nterrain        " << (folder / "results.gpkg").string() << "\n";
+    return ExitCode::Done;
+}
+
+}  // namespace scree::cli

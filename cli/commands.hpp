@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include "cli/site_file.hpp"
+#include "scree/base/error.hpp"
+
+#include <iosfwd>
+#include <string>
+#include <vector>
+
+namespace CLI {
+class App;
+}
+
+namespace scree::cli {
+
+enum class ProgressStyle { Automatic, Json };
+
+/// What a command was given and where it writes.
+struct Context {
+    std::string target;                ///< site file, or folder for init
+    std::vector<std::string> changes;  ///< --set key=value
+    std::string output;                ///< --output; empty: as the site file says
+    bool overwrite = false;
+    int threads = 0;                   ///< 0: all cores
+    bool quiet = false;
+    ProgressStyle progress = ProgressStyle::Automatic;
+    std::string format = "text";       ///< of `settings`
+    std::ostream* out = nullptr;
+    std::ostream* err = nullptr;
+
+    SiteFile read_site() const { return read_site_file(target, changes); }
+    /// Folder of the results of this site.
+    std::filesystem::path results_folder(const SiteFile& site) const {
+        return output.empty() ? site.resolve(site.settings.output_directory) : std::filesystem::path(output);
+    }
+};
+
+ExitCode run_init(const Context& context);
+ExitCode run_check(const Context& context);
+ExitCode run_terrain(const Context& context);
+ExitCode run_run(const Context& context);
+ExitCode run_settings(const Context& context);
+
+/// Version of the program.
+std::string version();
+/// Prints warnings to the error stream, each once.
+void print_warnings(const Context& context, const std::vector<std::string>& warnings);
+
+}  // namespace scree::cli
