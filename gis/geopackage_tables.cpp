@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// OGC 12-128r17, GeoPackage Encoding Standard 1.3: contents (1.1.3), attributes (2.4), extensions (2.3), metadata (F.8), schema (F.9).
+// OGC 12-128r17, GeoPackage Encoding Standard 1.3: contents (1.1.3), extensions (2.3), attributes (2.4), metadata (F.8),
+// schema (F.9).
 #include "gis/geopackage_tables.hpp"
 
 #include "gis/database.hpp"

@@ -107,9 +107,7 @@ bool swap_folders(const fs::path& staging, const fs::path& target) {
     return true;
 }
 
-}  // namespace
-
-void require_free_results_folder(const fs::path& folder, bool overwrite) {
+void check_folder(const fs::path& folder, bool overwrite) {
     const fs::path path = resolved(folder);
     const std::string name = folder.string();
     if (fs::exists(path) && !fs::is_directory(path)) {
@@ -134,6 +132,17 @@ void require_free_results_folder(const fs::path& folder, bool overwrite) {
                          " (" + refused.message() + "); choose another --output");
     }
     fs::remove(probe);
+}
+
+}  // namespace
+
+void require_free_results_folder(const fs::path& folder, bool overwrite) {
+    try {
+        check_folder(folder, overwrite);
+    } catch (const fs::filesystem_error& error) {  // a folder on the way that may not be read, a link in a circle
+        throw InputError(folder.string() + ": results cannot be written there (" + error.code().message() +
+                         "); choose another --output");
+    }
 }
 
 ResultsFolder::ResultsFolder(const fs::path& folder, bool overwrite) : final_(resolved(folder)) {

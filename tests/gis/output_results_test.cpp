@@ -244,6 +244,9 @@ TEST(ResultsFolder, AFolderThatCannotBeWrittenIsRefusedAtOnce) {
     put(dir / "file", "");
     EXPECT_THAT(message_of([&] { require_free_results_folder(dir / "file/out", false); }),
                 HasSubstr("nothing can be created in"));
+    fs::create_symlink("circle", dir / "circle");
+    EXPECT_THAT(message_of([&] { require_free_results_folder(dir / "circle/out", false); }),
+                HasSubstr("cannot be written there"));
 }
 
 TEST(Results, NamesAndTitlesMustDiffer) {
