@@ -193,7 +193,7 @@ std::vector<gis::VectorLayer> campaign_vectors(const SiteModel& model, const Cam
     }
     if (model.campaign.kept_trajectories > 0) layers.push_back(trajectories(model, result));
     if (!model.campaign.deposit_zones.empty()) layers.push_back(deposit_zones(model, result));
-    layers.push_back(input_layer(model.release, "release_areas", "Release areas", ""));
+    layers.push_back(input_layer(model.release, "release_zones", "Release zones", ""));
     return layers;
 }
 
@@ -232,6 +232,7 @@ gis::VectorLayer input_layer(const gis::VectorData& data, const std::string& nam
     gis::VectorLayer layer;
     layer.data = data.layer;
     layer.data.name = name;
+    for (Field& field : layer.data.fields) field.alias = field.alias.empty() ? field.name : field.alias;
     layer.title = title;
     layer.group = group;
     layer.coordinates = Coordinates::XY;
