@@ -98,6 +98,8 @@ public:
         return report;
     }
 
+    /// Normal impulse of contact c in the last solution [N s].
+    double normal_impulse(std::size_t c) const { return impulse_[static_cast<Eigen::Index>(c) * kLocal]; }
     const ContactProblem<Dim>& problem() const { return problem_; }
     const Eigen::VectorXd& impulse() const { return impulse_; }
 

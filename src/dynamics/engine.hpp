@@ -316,10 +316,10 @@ private:
         state_.spin *= factor;
     }
 
-    /// A block rests when it hardly moves, apart from spinning about the normal of a single contact, which the law does not resist, and when the
-    /// contacts can carry its weight without motion; and this for the rest time.
+    /// A block rests when it hardly moves and when, from rest, its weight would not move it; and this for the rest time. Turning about the normal of the
+    /// contact that carries most of the weight is no motion in either sense: the law does not resist it, and the block gets nowhere by it.
     void look_for_rest(double h) {
-        if (closed_.empty() || motion_head() > settings_.rest_head || !in_equilibrium()) {
+        if (closed_.empty() || state_.velocity.squaredNorm() > kTurningAllowance * settings_.gravity * settings_.rest_head || !rests_now()) {
             still_ = 0.0;
             return;
         }
@@ -327,31 +327,31 @@ private:
         if (still_ >= settings_.rest_time) finish(StopReason::AtRest);
     }
 
-    /// Kinetic energy per weight without the part of a spin about the only contact's normal [m].
-    double motion_head() const {
-        State s = state_;
-        if (closed_.size() == 1) remove_spin_about(closed_.front(), s);
-        return kinetic_energy(body_, s) / (body_.mass * settings_.gravity);
+    bool rests_now() {
+        State from_rest = state_;
+        from_rest.velocity.setZero();
+        from_rest.spin.setZero();
+        step_.set_contacts(closed_, rotation_matrix(state_.orientation));
+        count(step_.solve(settings_.time_step, gravity_, RestitutionRule{}, from_rest));
+        std::size_t main = 0;
+        for (std::size_t c = 1; c < closed_.size(); ++c)
+            if (step_.normal_impulse(c) > step_.normal_impulse(main)) main = c;
+        remove_turning(closed_[main], from_rest);
+        const double fastest = from_rest.velocity.norm() + from_rest.spin.norm() * finder_.radius();
+        if (fastest > kEquilibriumShare * settings_.gravity * settings_.time_step) return false;
+        State moving = state_;
+        remove_turning(closed_[main], moving);
+        return kinetic_energy(body_, moving) <= settings_.rest_head * body_.mass * settings_.gravity;
     }
 
-    void remove_spin_about(const Contact<Dim>& c, State& s) const {
+    /// Takes the turning about the contact's normal, through the contact point, out of the motion.
+    void remove_turning(const Contact<Dim>& c, State& s) const {
         if constexpr (Dim == 3) {
             const Mat3 rotation = rotation_matrix(s.orientation);
             const double about = c.normal.dot(rotation * s.spin);
             s.spin -= about * (rotation.transpose() * c.normal);
             s.velocity -= about * c.normal.cross(Vec3(-c.arm));
         }
-    }
-
-    /// From rest, one step under gravity leaves the block at rest.
-    bool in_equilibrium() {
-        State s = state_;
-        s.velocity.setZero();
-        s.spin.setZero();
-        step_.set_contacts(closed_, rotation_matrix(s.orientation));
-        count(step_.solve(settings_.time_step, gravity_, RestitutionRule{}, s));
-        const double fastest = s.velocity.norm() + s.spin.norm() * finder_.radius();
-        return fastest <= kEquilibriumShare * settings_.gravity * settings_.time_step;
     }
 
     // ---- Moreau-Jean mode (B&A section 3.1.1) ---------------------------------------------------------------------------------
@@ -463,6 +463,7 @@ private:
     static constexpr double kAllowedRise = 1e-6;        ///< height of fall by which the solver's tolerance may raise the energy of a step [m]
     static constexpr double kPenetrationSlop = 3e-4;    ///< overlap that is left alone [m]
     static constexpr double kSameNormal = 1e-6;         ///< 1 - cosine below which two facets hold a vertex alike [-]
+    static constexpr double kTurningAllowance = 1e4;    ///< times the energy of rest that turning may have before the costly test is tried [-]
     static constexpr double kEquilibriumShare = 1e-3;   ///< acceleration from rest, as a share of gravity, that counts as none [-]
     static constexpr int kImpactsInARow = 1000;         ///< impacts at one moment: beyond, something is wrong
     static constexpr std::int64_t kMostTurns = 50'000'000;
