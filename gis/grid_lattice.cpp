@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "gis/grid_lattice.hpp"
 
+#include "gis/triangulate.hpp"
+
 #include <algorithm>
 #include <set>
 #include <unordered_map>
@@ -68,17 +70,15 @@ bool clip(const GridLattice& lattice, const Vec2& a, const Vec2& b, double& from
 // Vertices of lines, found by place.
 class VertexIndex {
 public:
-    static constexpr double kJoin = 1.0 / 16;  // [cells]
-
     // The vertex that stands for a place: a node or an earlier vertex near by, or a new one.
     SnappedPoint vertex(const Vec2& uv) {
         const Vec2 node(std::round(uv.x()), std::round(uv.y()));
         SnappedPoint best{snapped(uv.x()), snapped(uv.y())};
-        double nearest = kJoin;
+        double nearest = kJoinDistance;
         for_each_near(uv, [&](const SnappedPoint& p) {
             if ((p.uv() - uv).norm() <= nearest) nearest = (p.uv() - uv).norm(), best = p;
         });
-        if ((node - uv).norm() <= kJoin) best = {snapped(node.x()), snapped(node.y())};
+        if ((node - uv).norm() <= kJoinDistance) best = {snapped(node.x()), snapped(node.y())};
         std::vector<SnappedPoint>& bin = bins_[key(best.uv(), 0, 0)];
         if (std::find(bin.begin(), bin.end(), best) == bin.end()) bin.push_back(best);
         return best;
@@ -116,7 +116,7 @@ std::vector<SnappedPoint> path_along(const GridLattice& lattice, const VertexInd
         index.for_each_near(start + (from + (to - from) * k / steps) * d, [&](const SnappedPoint& p) {
             const double t = (p.uv() - start).dot(d) / d.squaredNorm();
             const bool between = p != a && p != b && t > 0 && t < 1;
-            if (between && (start + t * d - p.uv()).norm() <= VertexIndex::kJoin) found.emplace_back(t, p);
+            if (between && (start + t * d - p.uv()).norm() <= kJoinDistance) found.emplace_back(t, p);
         });
     }
     std::sort(found.begin(), found.end());

@@ -12,6 +12,9 @@ namespace scree::gis {
 /// Lines that facets must not cross: boundaries of soil zones and breaklines. Open; a ring repeats its first point at the end [m].
 using ConstraintLines = std::vector<std::vector<Vec2>>;
 
+/// Lines nearer than this to each other or to a node of the grid are joined [cells].
+inline constexpr double kJoinDistance = 1.0 / 16;
+
 struct TriangulationReport {
     std::size_t nodes = 0;       ///< nodes of the grid with a height that lie on the surface [-]
     std::size_t vertices = 0;    ///< of the mesh [-]

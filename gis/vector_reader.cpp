@@ -336,6 +336,7 @@ private:
                     : "; check its coordinates and its CRS" +
                           (data_.report.crs_name.empty() ? std::string() : " '" + data_.report.crs_name + "'") + "."));
         }
+        if (source_.may_reach_beyond) return;
         if (outside > 0) warn(words("has ", outside, " features outside of the terrain (first: ", first_outside, ")."));
         if (across > 0)
             warn(words("has ", across, " features that reach beyond the terrain (first: ", first_across,
