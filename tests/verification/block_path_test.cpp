@@ -108,7 +108,7 @@ TEST(BlockPath, SameSchemeFollowsTheReferenceOnAPlane) {
 
 // The reference, at 1e-3 s, is itself 1 cm off the solution of its scheme at 1e-4 s by 1.0 s (e1_block_on_plane.json). Event mode has to meet that
 // converged solution (0.16 mm off the one at 1e-5 s), which it does with the first order in the step: 1 cm to 0.9 s at its default step (to 1.0 s it is
-// 10.0 mm), to 1.0 s at half of it.
+// 10.5 mm), to 1.0 s at half of it.
 TEST(BlockPath, EventModeMeetsTheConvergedSolutionOnAPlane) {
     SCREE_SHARED_OR_SKIP(folder, "reference");
     const Block0 block(folder, "e1_block_on_plane");

@@ -96,7 +96,7 @@ TEST_P(Cube, SlidesAboveTheFrictionAngle) {
     EXPECT_LT(end.state.spin.norm(), 1e-5);
 }
 
-// Rotation about the lower edge: (I + m r^2) alpha = m g (L/2 (sin - cos)) - mu_r N L-terms; with N taken from the motion
+// Rotation about the lower edge, the rolling moment mu_r N with N from the motion of the centre:
 // alpha0 = g (L/2 (sin - cos) - mu_r cos) / (2/3 L^2 + mu_r L/2) (README of the references).
 TEST_P(Cube, TipsOverItsLowerEdge) {
     const double slope = 50 * kDegree, mu_r = 0.04;
@@ -108,7 +108,7 @@ TEST_P(Cube, TipsOverItsLowerEdge) {
     const TrajectoryEnd<3> end = released(slope, 1.5, time - 0.25 * settings.time_step, settings);
     const Vec3 spin = end.state.orientation * end.state.spin;
     RecordProperty("relative_deviation", testing::PrintToString(spin.y() / (alpha0 * end.time) - 1.0));
-    EXPECT_NEAR(spin.y() / (alpha0 * end.time), 1.0, 1e-4);  // the angle grows the moment: (alpha0 t)^2-like, 3e-5 after 4 ms
+    EXPECT_NEAR(spin.y() / (alpha0 * end.time), 1.0, 1e-4);  // the angle grows the moment: measured 3e-5 after 4 ms
     EXPECT_NEAR(Vec2(spin.x(), spin.z()).norm(), 0.0, 1e-8);
     // no slip at the edge: the centre moves around it
     const Vec3 arm = plane_frame(slope) * Vec3(-0.5 * kSide, 0.0, 0.5 * kSide);

@@ -89,7 +89,7 @@ TEST_P(Energy, NeverRisesAndTheLedgerCloses) {
     RecordProperty("flight_drift_m", testing::PrintToString(flight_drift));
     EXPECT_LT(largest_rise, kAllowedRise);
     EXPECT_LT(worst_ledger, 1e-9);
-    EXPECT_LT(flight_drift, 1e-6);  // of the rotation, over flights of a second at up to 30 rad/s
+    EXPECT_LT(flight_drift, 1e-6);  // of the rotation, step by step; measured 1.9e-7
 }
 
 // Newton's law with friction can create energy where restitution acts on one contact and friction on an oblique one (Kane's paradox): event mode lowers the

@@ -15,7 +15,7 @@ namespace {
 
 constexpr double kRadius = 0.5;               ///< of the reference spheres [m]
 constexpr double kReferenceTolerance = 1e-8;  ///< what the reference solutions are good for (their README) [m, m/s, rad/s]
-/// The quaternions of the references are themselves up to 4.5e-7 rad off the closed form of steady rolling (a2: 1.3e-7): their norm drifts too.
+/// The quaternions of the references are not that good: in a2 1.3e-7 rad off the closed form of steady rolling, and not of unit length.
 constexpr double kReferenceAngle = 1e-6;  ///< [rad]
 /// Start inside the plane by this much, as the references do: moreau_jean then has a contact from its first step [m].
 constexpr double kInside = 1e-6;
