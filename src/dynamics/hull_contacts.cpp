@@ -162,7 +162,15 @@ void HullContacts::add_crest_contacts(const Vec3& position, const Mat3& rotation
         Eigen::Index left = 0, right = 0, top = 0;
         outside(crest.a, left);
         outside(crest.a + crest.d, right);
-        if (slope(left, crest) >= 0.0 || slope(right, crest) <= 0.0) continue;  // least at an end: the tip there is what touches
+        // least at an end: the tip there touches, or the next crest; a face that lies almost flat across that end touches here with its other end
+        if (slope(left, crest) >= 0.0) {
+            add_far_end(crest, 0.0, left, +1.0, reach, rotation, contacts);
+            continue;
+        }
+        if (slope(right, crest) <= 0.0) {
+            add_far_end(crest, 1.0, right, -1.0, reach, rotation, contacts);
+            continue;
+        }
         double t = 0.0;
         for (int k = 0; k < 64; ++k) {
             t = (value(right, crest) - value(left, crest)) / (slope(left, crest) - slope(right, crest));
