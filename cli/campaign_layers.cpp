@@ -5,6 +5,7 @@
 
 #include <cmath>
 #include <limits>
+#include <set>
 
 namespace scree::cli {
 
@@ -181,6 +182,26 @@ void add_count(std::vector<gis::RasterLayer>& layers, const SiteModel& model, co
     layers.push_back(std::move(layer));
 }
 
+/// The name of a user's field as our files spell it: a-z, 0-9 and _, a letter first, each once. The user's own spelling stays as its alias.
+std::string plain_name(const std::string& name, std::set<std::string>& taken) {
+    constexpr std::size_t kLongest = 50;  // of the 60 that gis allows, leaving room for a number [-]
+    std::string plain;
+    for (const char c : name) {
+        const bool upper = c >= 'A' && c <= 'Z', usable = upper || (c >= 'a' && c <= 'z') || (c >= '0' && c <= '9');
+        if (usable) plain += upper ? static_cast<char>(c - 'A' + 'a') : c;
+        else if (!plain.empty() && plain.back() != '_') plain += '_';
+        if (plain.size() == kLongest) break;
+    }
+    const bool letter_first = !plain.empty() && plain.front() >= 'a' && plain.front() <= 'z';
+    if (!letter_first) plain = "field_" + plain;
+    for (const char* reserved : {"gpkg_", "sqlite_", "rtree_"})
+        if (plain.starts_with(reserved)) plain = "field_" + plain;
+    while (plain.back() == '_') plain.pop_back();
+    std::string unique = plain;
+    for (int number = 2; !taken.insert(unique).second; ++number) unique = plain + "_" + std::to_string(number);
+    return unique;
+}
+
 }  // namespace
 
 std::vector<gis::VectorLayer> campaign_vectors(const SiteModel& model, const CampaignResult& result) {
@@ -232,7 +253,11 @@ gis::VectorLayer input_layer(const gis::VectorData& data, const std::string& nam
     gis::VectorLayer layer;
     layer.data = data.layer;
     layer.data.name = name;
-    for (Field& field : layer.data.fields) field.alias = field.alias.empty() ? field.name : field.alias;
+    std::set<std::string> taken{"fid", "geom", "run", "layer_styles"};  // names that mean something in a GeoPackage of ours
+    for (Field& field : layer.data.fields) {
+        if (field.alias.empty()) field.alias = field.name;
+        field.name = plain_name(field.name, taken);
+    }
     layer.title = title;
     layer.group = group;
     layer.coordinates = Coordinates::XY;

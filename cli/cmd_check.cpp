@@ -44,7 +44,7 @@ void print_terrain(std::ostream& out, const SiteTerrain& terrain) {
         << "               easting " << fixed(low.easting, 1) << " to " << fixed(high.easting, 1) << ", northing " << fixed(low.northing, 1) << " to "
         << fixed(high.northing, 1) << "\n"
         << "model          " << g.columns << " x " << g.rows << " cells of " << g.cell << " m; differs from the DTM by " << fixed(t.resampling.rms_difference, 3)
-        << " m (rms), " << fixed(t.resampling.max_difference, 2) << " m (largest)\n"
+        << " m (root mean square), " << fixed(t.resampling.max_difference, 2) << " m (largest)\n"
         << "               " << terrain.surface_report << "\n";
     double area = 0.0;
     for (const double a : t.soils.area) area += a;
@@ -63,16 +63,24 @@ void print_blocks(std::ostream& out, const SiteModel& m) {
     } else {
         auto [light, heavy] = std::minmax_element(p.list.begin(), p.list.end(), [](const auto& a, const auto& b) { return a.mass < b.mass; });
         auto [small, large] = std::minmax_element(p.list.begin(), p.list.end(), [](const auto& a, const auto& b) { return a.size.x() < b.size.x(); });
-        out << "blocks         " << p.list.size() << " rows, " << fixed(light->mass, 0) << " to " << fixed(heavy->mass, 0) << " kg, L1 " << fixed(small->size.x(), 2) << " to "
+        out << "blocks         " << p.list.size() << (p.list.size() == 1 ? " row, " : " rows, ") << fixed(light->mass, 0) << " to " << fixed(heavy->mass, 0) << " kg, L1 " << fixed(small->size.x(), 2) << " to "
             << fixed(large->size.x(), 2) << " m";
     }
     out << "; shape " << kBlockShapeNames[static_cast<std::size_t>(p.shape.shape)] << "\n";
 }
 
+/// A volume or a mass in a release layer looks as if it mattered: say that it does not.
+void print_unread_fields(std::ostream& out, const FeatureLayer& layer) {
+    std::string names;
+    for (const Field& field : layer.fields) names += (names.empty() ? "" : ", ") + field.name;
+    if (!names.empty()) out << "               fields that are not read: " << names << " (blocks come from [blocks])\n";
+}
+
 /// What the first blocks would start with: heights over the ground and how many had to be lifted.
 void print_release(std::ostream& out, const SiteModel& m) {
     const CampaignInput& c = m.campaign;
-    out << "release        " << layer_text(m.release) << "; " << c.release.count << " blocks from " << c.release.height << " m\n";
+    out << "release        " << layer_text(m.release) << "; " << c.release.count << (c.release.count == 1 ? " block from " : " blocks from ") << c.release.height << " m above the ground\n";
+    print_unread_fields(out, m.release.layer);
     const std::int64_t tried = std::min<std::int64_t>(c.release.count, 200);
     std::int64_t lifted = 0;
     double most = 0.0, low = kInfinity, high = -kInfinity;
@@ -86,8 +94,8 @@ void print_release(std::ostream& out, const SiteModel& m) {
         low = std::min(low, state.position.z());
         high = std::max(high, state.position.z());
     }
-    out << "               the first " << tried << " start at heights " << fixed(low + m.terrain.data.frame.height, 1) << " to " << fixed(high + m.terrain.data.frame.height, 1) << " m; " << lifted
-        << " were lifted to start free of the ground" << (lifted > 0 ? ", by up to " + fixed(most, 2) + " m" : "") << "\n";
+    out << (tried == 1 ? std::string("               it starts") : "               the first " + std::to_string(tried) + " start") << " at heights " << fixed(low + m.terrain.data.frame.height, 1) << " to " << fixed(high + m.terrain.data.frame.height, 1) << " m; "
+        << (lifted == 0 ? "all of them free of the ground" : std::to_string(lifted) + " had to be lifted to start free of the ground, by up to " + fixed(most, 2) + " m") << "\n";
 }
 
 }  // namespace

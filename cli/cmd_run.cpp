@@ -24,6 +24,17 @@ std::string short_number(double value) {
     return s.str();
 }
 
+/// A warning without the folders of this machine: input files by their names.
+std::string without_folders(std::string warning, const SiteFile& site, const std::vector<std::string>& inputs) {
+    auto shorten = [&](const std::string& path) {
+        const std::string name = fs::path(path).filename().string();
+        for (auto at = warning.find(path); at != std::string::npos && path != name; at = warning.find(path, at + name.size())) warning.replace(at, path.size(), name);
+    };
+    for (const std::string& input : inputs) shorten(input);
+    shorten(site.file.string());
+    return warning;
+}
+
 /// Everything that says how the result came about, without paths of a machine or times: two runs of one site give the same bytes.
 std::vector<gis::ProvenanceEntry> provenance(const SiteFile& site, const SiteModel& model, const CampaignResult& result) {
     std::vector<gis::ProvenanceEntry> p;
@@ -47,7 +58,7 @@ std::vector<gis::ProvenanceEntry> provenance(const SiteFile& site, const SiteMod
     SiteSettings portable = site.settings;
     portable.output_directory.clear();
     p.push_back({"settings", settings_as_toml(portable, [](const std::string& path) { return fs::path(path).filename().string(); })});
-    for (std::size_t k = 0; k < model.warnings.size(); ++k) p.push_back({"warning_" + std::to_string(k + 1), fs::path(model.warnings[k]).string()});
+    for (std::size_t k = 0; k < model.warnings.size(); ++k) p.push_back({"warning_" + std::to_string(k + 1), without_folders(model.warnings[k], site, model.inputs)});
     return p;
 }
 
@@ -81,7 +92,7 @@ void print_summary(std::ostream& out, const SiteModel& model, const CampaignResu
         if (b.done && b.reason == StopReason::AtRest) runout.push_back((b.stop - b.release).head<2>().norm());
     std::sort(runout.begin(), runout.end());
     if (!runout.empty())
-        out << "runout         median " << short_number(quantile(runout, 0.5)) << " m, 95 % " << short_number(quantile(runout, 0.95)) << " m, largest " << short_number(runout.back()) << " m (blocks at rest)\n";
+        out << "runout         median " << short_number(quantile(runout, 0.5)) << " m, 95 % quantile " << short_number(quantile(runout, 0.95)) << " m, largest " << short_number(runout.back()) << " m (blocks at rest)\n";
     std::vector<std::string> seen;
     for (const Screen& screen : model.campaign.screens) {
         if (std::find(seen.begin(), seen.end(), screen.name) != seen.end()) continue;
@@ -96,15 +107,15 @@ void print_summary(std::ostream& out, const SiteModel& model, const CampaignResu
         std::sort(energies.begin(), energies.end());
         out << "screen         " << screen.name << ": " << percent(static_cast<std::int64_t>(speeds.size()), r.released) << " pass";
         if (!speeds.empty())
-            out << ", speed median " << short_number(quantile(speeds, 0.5)) << ", 95 % " << short_number(quantile(speeds, 0.95)) << " m/s, energy 95 % " << short_number(quantile(energies, 0.95)) << " kJ";
+            out << "; speed median " << short_number(quantile(speeds, 0.5)) << " m/s, 95 % quantile " << short_number(quantile(speeds, 0.95)) << " m/s; energy 95 % quantile " << short_number(quantile(energies, 0.95)) << " kJ";
         out << "\n";
     }
     for (const DepositCount& d : r.deposits) {
         const auto [low, high] = wilson_interval(d.count, r.released);
         out << "deposit zone   " << d.name << ": " << percent(d.count, r.released) << " (95 % interval " << short_number(100.0 * low) << " to " << short_number(100.0 * high) << " %)\n";
     }
-    out << "results        " << (folder / "results.gpkg").string() << " (all layers), " << (folder / "results.qgs").string() << " (QGIS project), " << (folder / "rasters").string()
-        << " (GeoTIFFs), " << (folder / "run.toml").string() << " (reproduces the run)\n";
+    out << "results        " << (folder / "results.qgs").string() << " (open it in QGIS)\n"
+        << "               beside it: results.gpkg (all layers), rasters (GeoTIFFs), run.toml (reproduces the run)\n";
 }
 
 }  // namespace
@@ -113,6 +124,7 @@ ExitCode run_run(const Context& context) {
     const SiteFile site = context.read_site();
     const fs::path folder = context.results_folder(site);
     gis::require_free_results_folder(folder, context.overwrite);
+    warn_of_partial_results(context, folder);
     SiteModel model = load_site(site);
     print_warnings(context, model.warnings);
     model.campaign.threads = context.threads;

@@ -79,6 +79,7 @@ ExitCode run_terrain(const Context& context) {
     std::filesystem::path folder = context.results_folder(site);
     if (context.output.empty()) folder += "_terrain";
     gis::require_free_results_folder(folder, context.overwrite);
+    warn_of_partial_results(context, folder);
     const SiteTerrain terrain = load_terrain(site);
     print_warnings(context, terrain.data.warnings());
 

@@ -4,6 +4,7 @@
 #include "cli/site_file.hpp"
 #include "scree/base/error.hpp"
 
+#include <filesystem>
 #include <iosfwd>
 #include <string>
 #include <vector>
@@ -46,5 +47,7 @@ ExitCode run_settings(const Context& context);
 std::string version();
 /// Prints warnings to the error stream, each once.
 void print_warnings(const Context& context, const std::vector<std::string>& warnings);
+/// Names unfinished folders of results beside this one. They are not removed: they could belong to a run on another machine.
+void warn_of_partial_results(const Context& context, const std::filesystem::path& folder);
 
 }  // namespace scree::cli

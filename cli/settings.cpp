@@ -199,7 +199,7 @@ void add_release(std::vector<Setting<SiteSettings>>& keys) {
     keys.push_back(release.text("layer", AT(release.layer), "Layer of that file; empty if it has only one."));
     keys.push_back(release.integer("count", {1, 1e9}, AT(releases.count), "Blocks to throw. A share p is known to about +-sqrt(p (1-p) / count)."));
     keys.push_back(release.choice("pattern", kReleasePatternNames, AT(releases.pattern),
-        "random: positions uniform over polygons (by area), lines (by length), points. cells: one block after the other from the centres of the model's cells in the polygons."));
+        "random: positions uniform over polygons (by area), lines (by length), points; where features overlap, each sends its share. cells: one block after the other from the centres of the model's cells in the polygons."));
     keys.push_back(release.number("height", "m", {0, 1000}, AT(releases.height), "Of the centre of mass above the ground, vertically. A block that would touch the ground is lifted until it is free."));
     keys.push_back(release.number("height_spread", "m", {0, 1000}, AT(releases.height_spread), "Half width of a uniform spread of the height."));
     keys.push_back(release.number("speed", "m/s", {0, 100}, AT(releases.speed), "Initial speed."));

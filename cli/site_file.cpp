@@ -52,6 +52,24 @@ std::size_t edit_distance(const std::string& a, const std::string& b) {
     return row[b.size()];
 }
 
+[[noreturn]] void unknown_section(const std::string& where, const std::string& name) {
+    std::string known, best;
+    std::size_t distance = 1000;
+    auto consider = [&](const std::string& section) {
+        known += (known.empty() ? "" : ", ") + section;
+        if (edit_distance(section, name) >= distance) return;
+        distance = edit_distance(section, name);
+        best = section;
+    };
+    for (std::string last = "soil"; const auto& key : site_keys()) {
+        if (key.section != last) consider(key.section);
+        last = key.section;
+    }
+    consider("soil");
+    throw InputError(where + ": the section [" + name + "] is unknown; " + (distance <= 2 ? "did you mean [" + best + "]?" : "there are " + known) +
+                     " (scree settings lists all keys)");
+}
+
 [[noreturn]] void unknown_key(const std::string& where, const std::string& name) {
     std::string best, section = name.substr(0, name.find('.'));
     std::size_t distance = 1000;
@@ -143,7 +161,9 @@ void check_together(const SiteFile& site) {
     if (s.soils.empty()) missing += " [[soil]]";
     require(missing.empty(), file + ": required keys are missing:" + missing + " (scree init FOLDER writes a commented example)");
     auto ordered = [&](double low, double high, const char* a, const char* b) {
-        require(low <= high, file + ": " + a + " is larger than " + b + ": exchange them");
+        std::ostringstream values;
+        values << a << " = " << low << " is larger than " << b << " = " << high;
+        require(low <= high, file + ": " + values.str() + ": exchange them, or set both");
     };
     ordered(s.distribution.volume_min, s.distribution.volume_max, "blocks.volume_min", "blocks.volume_max");
     ordered(s.distribution.ratio_21[0], s.distribution.ratio_21[1], "blocks.ratio_21_min", "blocks.ratio_21_max");
@@ -180,8 +200,8 @@ SiteFile read_site_file(const std::filesystem::path& file, const std::vector<std
         if (section_name == "effect")
             throw InputError(location(name, node) + ": [[effect]]: this version knows no effects beyond the contact law; remove the entry");
         const toml::table* keys = node.as_table();
-        if (!keys) unknown_key(location(name, node), section_name);
-        if (section_help(section_name).empty()) unknown_key(location(name, node), section_name);
+        if (section_help(section_name).empty()) unknown_section(location(name, node), section_name);
+        if (!keys) throw InputError(location(name, node) + ": " + section_name + " must be a table: begin it with [" + section_name + "]");
         for (const auto& [key, value] : *keys) {
             const std::string key_name = section_name + "." + std::string(key.str());
             const auto known = std::find_if(site_keys().begin(), site_keys().end(), [&](const auto& k) { return k.name() == key_name; });

@@ -18,7 +18,7 @@ struct SiteFile {
     /// A path of the settings as it is opened.
     std::filesystem::path resolve(const std::string& path) const {
         const std::filesystem::path p(path);
-        return p.is_absolute() ? p : folder / p;
+        return p.is_absolute() ? p : (folder / p).lexically_normal();
     }
 };
 

@@ -141,7 +141,11 @@ SiteModel load_site(const SiteFile& site) {
     model.release = read_site_layer(site, s.release, "release", {GeometryKind::Polygon, GeometryKind::LineString, GeometryKind::Point}, model.terrain);
     append(model.warnings, model.release.report.warnings);
     model.inputs.push_back(site.resolve(s.release.file).string());
-    model.area = std::make_unique<ReleaseArea>(model.release.layer, *model.terrain.surface, s.releases.pattern, model.terrain.data.grid.shape);
+    try {
+        model.area = std::make_unique<ReleaseArea>(model.release.layer, *model.terrain.surface, s.releases.pattern, model.terrain.data.grid.shape);
+    } catch (const InputError& e) {
+        throw InputError(model.release.report.file + ": " + e.what() + " (the terrain is " + model.terrain.data.dtm.file + ")");  // the core knows no files
+    }
     if (model.area->inside_share() < 0.999) {
         const int percent = static_cast<int>(std::lround(100.0 * (1.0 - model.area->inside_share())));
         model.warnings.push_back(s.release.file + ": about " + std::to_string(percent) + " % of the release features lie off the terrain; blocks start on the rest only");

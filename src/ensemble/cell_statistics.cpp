@@ -102,7 +102,7 @@ std::pair<double, double> wilson_interval(std::int64_t k, std::int64_t n) {
     const double count = static_cast<double>(n), p = static_cast<double>(k) / count;
     const double centre = (p + z * z / (2.0 * count)) / (1.0 + z * z / count);
     const double half = z / (1.0 + z * z / count) * std::sqrt(p * (1.0 - p) / count + z * z / (4.0 * count * count));
-    return {std::max(0.0, centre - half), std::min(1.0, centre + half)};
+    return {k == 0 ? 0.0 : std::max(0.0, centre - half), k == n ? 1.0 : std::min(1.0, centre + half)};  // exact at both ends, not within rounding
 }
 
 }  // namespace scree

@@ -1,0 +1,100 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Ctrl-C, on the real process: it ends soon, with 130, and what was done is written and marked.
+#include "cli/program.hpp"
+#include "cli/results.hpp"
+#include "support/paths.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <fcntl.h>
+#include <spawn.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <array>
+#include <csignal>
+#include <cstdio>
+
+extern char** environ;
+
+namespace scree::test {
+namespace {
+
+using testing::HasSubstr;
+namespace fs = std::filesystem;
+
+constexpr int kManyBlocks = 1'000'000;  // more than a test can wait for
+
+/// The program as a process whose error stream is read here.
+class Process {
+public:
+    explicit Process(std::vector<std::string> args) {
+        args.insert(args.begin(), SCREE_PROGRAM);
+        std::vector<char*> argv;
+        for (std::string& arg : args) argv.push_back(arg.data());
+        argv.push_back(nullptr);
+        std::array<int, 2> ends{};
+        if (::pipe2(ends.data(), O_CLOEXEC) != 0) return;
+        posix_spawn_file_actions_t actions;
+        ::posix_spawn_file_actions_init(&actions);
+        ::posix_spawn_file_actions_adddup2(&actions, ends[1], STDERR_FILENO);
+        ::posix_spawn(&id_, SCREE_PROGRAM, &actions, nullptr, argv.data(), environ);
+        ::posix_spawn_file_actions_destroy(&actions);
+        ::close(ends[1]);
+        err_ = ::fdopen(ends[0], "r");
+    }
+    ~Process() {
+        if (err_) ::fclose(err_);
+        if (id_ > 0 && !ended_) {
+            ::kill(id_, SIGKILL);
+            ::waitpid(id_, nullptr, 0);
+        }
+    }
+    Process(const Process&) = delete;
+    Process& operator=(const Process&) = delete;
+
+    /// The next line of the error stream, "" at its end.
+    std::string line() {
+        std::array<char, 4096> buffer{};
+        return err_ && std::fgets(buffer.data(), buffer.size(), err_) ? std::string(buffer.data()) : std::string();
+    }
+    void interrupt() const { ::kill(id_, SIGINT); }
+    /// The exit code, or -signal.
+    int wait() {
+        int status = 0;
+        ::waitpid(id_, &status, 0);
+        ended_ = true;
+        return WIFEXITED(status) ? WEXITSTATUS(status) : -WTERMSIG(status);
+    }
+
+private:
+    pid_t id_ = -1;
+    std::FILE* err_ = nullptr;
+    bool ended_ = false;
+};
+
+TEST(Interrupt, WritesWhatWasDoneAndSaysSo) {
+    const TempDir folder;
+    const fs::path out = folder / "out";
+    Process run({"run", (quarry_a() / "site.toml").string(), "--set", "release.count=" + std::to_string(kManyBlocks), "--output", out.string(), "--progress=json", "--quiet"});
+    std::string line = run.line();
+    while (!line.empty() && line.find("\"done\"") == std::string::npos) line = run.line();
+    ASSERT_THAT(line, HasSubstr("\"done\"")) << "the run never reported progress";
+    run.interrupt();
+    std::string last;
+    while (!(line = run.line()).empty()) last = line;
+    ASSERT_EQ(run.wait(), 130);
+    EXPECT_THAT(last, HasSubstr("interrupted: "));
+
+    const auto stops = read_points(out / "results.gpkg", "stopping_points");
+    EXPECT_GT(stops.size(), 0U);
+    EXPECT_LT(stops.size(), static_cast<std::size_t>(kManyBlocks));
+    EXPECT_THAT(last, HasSubstr("interrupted: " + std::to_string(stops.size()) + " of " + std::to_string(kManyBlocks)));
+    EXPECT_THAT(text_of(out / "run.toml"), HasSubstr("INTERRUPTED"));
+    EXPECT_NE(text_of(out / "results.gpkg").find("true: " + std::to_string(stops.size()) + " of " + std::to_string(kManyBlocks) + " blocks"), std::string::npos);
+    EXPECT_FALSE(read_points(out / "results.gpkg", "release_points").empty());
+}
+
+}  // namespace
+}  // namespace scree::test

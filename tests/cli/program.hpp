@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include "cli/app.hpp"
+
+#include <filesystem>
+#include <fstream>
+#include <initializer_list>
+#include <sstream>
+#include <string>
+#include <vector>
+
+namespace scree::test {
+
+/// What a command line came to.
+struct Outcome {
+    int code = -1;  ///< exit code [-]
+    std::string out;
+    std::string err;
+};
+
+/// Runs the program in process.
+inline Outcome scree_program(const std::vector<std::string>& args) {
+    std::ostringstream out, err;
+    Outcome outcome;
+    outcome.code = cli::run(args, out, err);
+    outcome.out = out.str();
+    outcome.err = err.str();
+    return outcome;
+}
+
+inline std::filesystem::path quarry_a() { return std::filesystem::path(SCREE_SOURCE_DIR) / "sample_sites" / "quarry_a"; }
+
+/// `scree run` of quarry_a with 20 blocks into a folder, with more options.
+inline Outcome run_quarry_a(const std::filesystem::path& output, const std::vector<std::string>& more = {}) {
+    std::vector<std::string> args{"run", (quarry_a() / "site.toml").string(), "--set", "release.count=20", "--output", output.string()};
+    args.insert(args.end(), more.begin(), more.end());
+    return scree_program(args);
+}
+
+inline std::string text_of(const std::filesystem::path& file) {
+    std::ifstream in(file, std::ios::binary);
+    return {std::istreambuf_iterator<char>(in), {}};
+}
+
+inline void put(const std::filesystem::path& file, const std::string& text) { std::ofstream(file, std::ios::binary) << text; }
+
+}  // namespace scree::test

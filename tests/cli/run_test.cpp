@@ -1,0 +1,214 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// `scree run` and `scree terrain` on quarry_a with few blocks: what is written, and that it is the same whenever it should be.
+#include "cli/program.hpp"
+#include "cli/results.hpp"
+#include "support/paths.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+namespace scree::test {
+namespace {
+
+using testing::Gt;
+using testing::HasSubstr;
+using testing::IsEmpty;
+using testing::IsSupersetOf;
+namespace fs = std::filesystem;
+
+constexpr int kBlocks = 20;
+constexpr double kLargestBlock = 1.5;       // [m] L1 of the block list is at most 1.44
+constexpr double kModelAgainstDtm = 1.2;    // [m] the model of 1 m departs from the DTM by up to 1.11 m, on the rock cuts
+const std::set<std::string> kPathsDiffer{"run.toml", "SHA256SUMS"};  // run.toml leads from the folder of results to the inputs
+
+TEST(Run, WritesEveryLayerWithItsFields) {
+    const TempDir folder;
+    const fs::path out = folder / "out";
+    const Outcome run = run_quarry_a(out);
+    ASSERT_EQ(run.code, 0) << run.err;
+    EXPECT_THAT(run.out, HasSubstr("20 blocks thrown"));
+    EXPECT_THAT(run.out, HasSubstr("1A: 0 % (95 % interval 0 to "));
+    for (const char* name : {"results.gpkg", "results.qgs", "run.toml", "SHA256SUMS", "rasters/reach_probability.tif", "rasters/reach_probability.qml"})
+        EXPECT_TRUE(fs::exists(out / name)) << name;
+    for (const char* quantity : {"energy_kj", "height_m", "speed_ms", "spin_rads"})
+        for (const char* statistic : {"mean", "p50", "p90", "p95", "p98", "p99", "max"}) {
+            const fs::path file = out / "rasters" / (std::string(quantity) + "_" + statistic + ".tif");
+            EXPECT_TRUE(raster_facts(file).finite) << file;
+            EXPECT_TRUE(fs::exists(fs::path(file).replace_extension(".qml"))) << file;
+        }
+    const fs::path gpkg = out / "results.gpkg";
+    EXPECT_THAT(fields_of(gpkg, "stopping_points"), IsSupersetOf({"block", "block_id", "stop_reason", "mass_kg", "l1_m", "runout_m", "drop_m", "path_m", "time_s", "speed_max_ms", "energy_max_kj"}));
+    EXPECT_THAT(fields_of(gpkg, "trajectories"), IsSupersetOf({"block", "stop_reason", "speed_max_ms"}));
+    EXPECT_THAT(fields_of(gpkg, "release_points"), IsSupersetOf({"block", "mass_kg", "raised_m"}));
+    EXPECT_THAT(fields_of(gpkg, "screen_crossings"), IsSupersetOf({"screen", "block", "speed_ms", "height_m", "spin_rads", "energy_kj", "time_s"}));
+    EXPECT_THAT(fields_of(gpkg, "deposit_zones"), IsSupersetOf({"name", "count", "released", "percent", "percent_low", "percent_high"}));
+    EXPECT_THAT(fields_of(gpkg, "release_zones"), testing::Not(IsEmpty()));
+    for (const char* layer : {"stopping_points", "trajectories", "release_points", "screen_crossings", "deposit_zones", "screens", "release_zones"})
+        EXPECT_EQ(crs_code_of(gpkg, layer), "2154") << layer;
+}
+
+TEST(Run, CountsClose) {
+    const TempDir folder;
+    const fs::path out = folder / "out";
+    ASSERT_EQ(run_quarry_a(out).code, 0);
+    const auto stops = read_points(out / "results.gpkg", "stopping_points");
+    ASSERT_EQ(stops.size(), kBlocks);
+    std::map<std::string, int> reasons;
+    std::set<std::string> numbers;
+    for (const PointRow& stop : stops) {
+        ++reasons[stop.values.at("stop_reason")];
+        numbers.insert(stop.values.at("block"));
+    }
+    EXPECT_EQ(numbers.size(), kBlocks) << "every block once";
+    EXPECT_EQ(reasons["at_rest"] + reasons["left_terrain"] + reasons["time_limit"] + reasons["failed"], kBlocks);
+    EXPECT_EQ(raster_facts(out / "rasters" / "deposits.tif").sum, reasons["at_rest"]);
+    EXPECT_LE(raster_facts(out / "rasters" / "passages.tif").high, kBlocks);
+    EXPECT_LE(raster_facts(out / "rasters" / "reach_probability.tif").high, 1.0);
+    EXPECT_EQ(read_points(out / "results.gpkg", "release_points").size(), kBlocks);
+}
+
+TEST(Run, BlocksStopOnTheTerrain) {
+    const TempDir folder;
+    const fs::path out = folder / "out";
+    ASSERT_EQ(run_quarry_a(out).code, 0);
+    for (const PointRow& stop : read_points(out / "results.gpkg", "stopping_points")) {
+        EXPECT_GE(stop.at.x(), 890'000);
+        EXPECT_LE(stop.at.x(), 890'160);
+        EXPECT_GE(stop.at.y(), 6'670'000);
+        EXPECT_LE(stop.at.y(), 6'670'080);
+        if (stop.values.at("stop_reason") != "at_rest") continue;
+        const double above = stop.at.z() - raster_at(quarry_a() / "data" / "dtm.tif", stop.at.x(), stop.at.y());
+        EXPECT_GT(above, -kModelAgainstDtm) << "block " << stop.values.at("block");
+        EXPECT_LT(above, kLargestBlock + kModelAgainstDtm) << "block " << stop.values.at("block");
+        EXPECT_GT(stop.number("drop_m"), 0.0);
+    }
+}
+
+TEST(Run, ThreadsAndRepetitionDoNotChangeAByte) {
+    const TempDir folder;
+    // in one place after the other, so that run.toml is the same, too
+    const fs::path out = folder / "out";
+    ASSERT_EQ(run_quarry_a(out, {"--threads", "1"}).code, 0);
+    fs::rename(out, folder / "first");
+    for (const char* threads : {"1", "2", "3"}) {
+        ASSERT_EQ(run_quarry_a(out, {"--threads", threads}).code, 0);
+        EXPECT_THAT(differing_files(folder / "first", out), IsEmpty()) << threads << " threads";
+        fs::remove_all(out);
+    }
+}
+
+TEST(Run, RunTomlReproducesTheLayers) {
+    const TempDir folder;
+    ASSERT_EQ(run_quarry_a(folder / "first", {"--set", "soil.loose waste.rolling=0.06", "--seed", "7"}).code, 0);
+    const Outcome again = scree_program({"run", (folder / "first" / "run.toml").string(), "--output", (folder / "again").string()});
+    ASSERT_EQ(again.code, 0) << again.err;
+    EXPECT_THAT(differing_files(folder / "first", folder / "again", kPathsDiffer), IsEmpty());
+    // without --output it writes into a folder of its own
+    ASSERT_EQ(scree_program({"run", (folder / "first" / "run.toml").string()}).code, 0);
+    EXPECT_THAT(differing_files(folder / "again", folder / "first" / "rerun", kPathsDiffer), IsEmpty());
+}
+
+TEST(Run, BlocksDoNotDependOnHowManyAreThrown) {
+    const TempDir folder;
+    ASSERT_EQ(run_quarry_a(folder / "twenty").code, 0);
+    ASSERT_EQ(run_quarry_a(folder / "five", {"--set", "release.count=5"}).code, 0);
+    const auto twenty = read_points(folder / "twenty" / "results.gpkg", "stopping_points"), five = read_points(folder / "five" / "results.gpkg", "stopping_points");
+    ASSERT_EQ(five.size(), 5U);
+    std::map<std::string, Vec3> at;
+    for (const PointRow& stop : twenty) at[stop.values.at("block")] = stop.at;
+    for (const PointRow& stop : five) EXPECT_EQ(stop.at, at.at(stop.values.at("block")));
+}
+
+TEST(Run, SeedChangesTheBlocks) {
+    const TempDir folder;
+    ASSERT_EQ(run_quarry_a(folder / "one", {"--set", "release.count=3"}).code, 0);
+    ASSERT_EQ(run_quarry_a(folder / "two", {"--set", "release.count=3", "--seed", "2"}).code, 0);
+    EXPECT_NE(read_points(folder / "one" / "results.gpkg", "stopping_points")[0].at, read_points(folder / "two" / "results.gpkg", "stopping_points")[0].at);
+}
+
+TEST(Run, LeavesResultsAloneUnlessTold) {
+    const TempDir folder;
+    const fs::path out = folder / "out";
+    ASSERT_EQ(run_quarry_a(out, {"--set", "release.count=2"}).code, 0);
+    put(out / "notes.txt", "mine");
+    const auto before = contents_of(out);
+    const Outcome refused = run_quarry_a(out, {"--set", "release.count=3"});
+    EXPECT_EQ(refused.code, 3);
+    EXPECT_THAT(refused.err, HasSubstr("--overwrite"));
+    EXPECT_THAT(refused.out, IsEmpty());
+    EXPECT_EQ(contents_of(out), before);
+
+    EXPECT_EQ(run_quarry_a(out, {"--set", "release.count=3", "--overwrite"}).code, 0);
+    EXPECT_EQ(read_points(out / "results.gpkg", "stopping_points").size(), 3U);
+    EXPECT_EQ(text_of(out / "notes.txt"), "mine");
+
+    fs::create_directories(folder / "photos");
+    put(folder / "photos" / "slope.jpg", "a picture");
+    const Outcome foreign = run_quarry_a(folder / "photos", {"--overwrite"});
+    EXPECT_EQ(foreign.code, 3);
+    EXPECT_EQ(contents_of(folder / "photos").size(), 1U);
+}
+
+TEST(Run, NamesWhatAKilledRunLeftBehind) {
+    const TempDir folder;
+    fs::create_directories(folder / "out.partial-1234567");
+    const Outcome run = run_quarry_a(folder / "out", {"--set", "release.count=2"});
+    EXPECT_EQ(run.code, 0);
+    EXPECT_THAT(run.err, HasSubstr("out.partial-1234567"));
+    EXPECT_TRUE(fs::exists(folder / "out.partial-1234567")) << "it may belong to a run on another machine";
+}
+
+TEST(Run, ProgressAsJsonIsOneObjectALine) {
+    const TempDir folder;
+    const Outcome run = run_quarry_a(folder / "out", {"--progress=json", "--quiet"});
+    ASSERT_EQ(run.code, 0);
+    EXPECT_THAT(run.out, IsEmpty());
+    std::istringstream lines(run.err);
+    int objects = 0;
+    std::string last;
+    for (std::string line; std::getline(lines, line);) {
+        if (line.starts_with("warning: ")) continue;
+        EXPECT_TRUE(is_json_object(line, {"event", "what", "done", "total", "rate_per_s", "seconds_left"})) << line;
+        ++objects;
+        last = line;
+    }
+    EXPECT_THAT(objects, Gt(0));
+    EXPECT_THAT(last, HasSubstr("\"done\": 20, \"total\": 20"));
+}
+
+TEST(Run, QuietPrintsNothingButWarnings) {
+    const TempDir folder;
+    // without zones there is nothing to warn about
+    const Outcome run = run_quarry_a(folder / "out", {"--quiet", "--set", "zones.file=", "--set", "release.count=2"});
+    EXPECT_EQ(run.code, 0);
+    EXPECT_THAT(run.out, IsEmpty());
+    EXPECT_THAT(run.err, IsEmpty());
+}
+
+TEST(Run, ResultsNameNoFolderOfTheMachine) {
+    const TempDir folder;
+    const fs::path out = folder / "out";
+    ASSERT_EQ(run_quarry_a(out, {"--set", "release.count=2"}).code, 0);
+    for (const auto& [name, bytes] : contents_of(out)) {
+        if (name == "run.toml") continue;  // it leads to the inputs
+        EXPECT_EQ(bytes.find(quarry_a().string()), std::string::npos) << name;
+        EXPECT_EQ(bytes.find(folder.path().string()), std::string::npos) << name;
+    }
+}
+
+TEST(Terrain, WritesTheModelGround) {
+    const TempDir folder;
+    const fs::path out = folder / "ground";
+    const Outcome made = scree_program({"terrain", (quarry_a() / "site.toml").string(), "--output", out.string()});
+    ASSERT_EQ(made.code, 0) << made.err;
+    EXPECT_THAT(fields_of(out / "results.gpkg", "facets"), IsSupersetOf({"facet", "soil", "slope_deg"}));
+    const RasterFacts heights = raster_facts(out / "rasters" / "model_height_m.tif");
+    EXPECT_NEAR(heights.low, 219.0, 1.0);
+    EXPECT_NEAR(heights.high, 269.3, 1.0);
+    EXPECT_LE(raster_facts(out / "rasters" / "slope_deg.tif").high, 90.0);
+    EXPECT_EQ(scree_program({"terrain", (quarry_a() / "site.toml").string(), "--output", out.string()}).code, 3);
+    EXPECT_EQ(scree_program({"terrain", (quarry_a() / "site.toml").string(), "--output", out.string(), "--overwrite", "--quiet"}).code, 0);
+}
+
+}  // namespace
+}  // namespace scree::test
