@@ -20,35 +20,40 @@ std::string fixed(double value, int digits) {
 
 std::string crs_text(const std::string& name) { return name.empty() ? "unknown CRS" : name; }
 
-std::string layer_text(const gis::VectorData& data) {
-    std::string text = std::to_string(data.layer.features.size()) + " feature" + (data.layer.features.size() == 1 ? "" : "s") + ", " + crs_text(data.report.crs_name);
-    if (!data.report.operation.empty()) {
-        text += ", transformed by " + data.report.operation;
-        text += std::isnan(data.report.accuracy) ? " (accuracy unknown)" : " (accuracy " + fixed(data.report.accuracy, 1) + " m)";
+std::string report_text(const gis::VectorReport& report) {
+    std::string text = crs_text(report.crs_name);
+    if (!report.operation.empty()) {
+        text += ", transformed by " + report.operation;
+        text += std::isnan(report.accuracy) ? " (accuracy unknown)" : " (accuracy " + fixed(report.accuracy, 1) + " m)";
     }
     return text;
 }
 
-void print_terrain(std::ostream& out, const SiteTerrain& t) {
+std::string layer_text(const gis::VectorData& data) {
+    return std::to_string(data.layer.features.size()) + " feature" + (data.layer.features.size() == 1 ? "" : "s") + ", " + report_text(data.report);
+}
+
+void print_terrain(std::ostream& out, const SiteTerrain& terrain) {
+    const gis::Terrain& t = terrain.data;
     const GridShape& g = t.grid.shape;
     const MapPoint low = t.frame.to_map({g.bounds().min.x(), g.bounds().min.y(), 0.0}), high = t.frame.to_map({g.bounds().max.x(), g.bounds().max.y(), 0.0});
-    out << "terrain        " << t.dtm_report.file << " (" << t.dtm_report.driver << ", " << t.dtm_report.data_type << ")\n"
-        << "               " << crs_text(t.dtm_report.crs_name) << "\n"
-        << "               cells of " << t.dtm_cell_x << " x " << t.dtm_cell_y << " m, " << fixed(100.0 * t.dtm_report.valid_fraction, 1) << " % valid, heights "
-        << fixed(t.dtm_report.min_height, 1) << " to " << fixed(t.dtm_report.max_height, 1) << " m\n"
+    out << "terrain        " << t.dtm.file << " (" << t.dtm.driver << ", " << t.dtm.data_type << ")\n"
+        << "               " << crs_text(t.dtm.crs_name) << "\n"
+        << "               cells of " << t.dtm.cell_x << " x " << t.dtm.cell_y << " m, " << fixed(100.0 * t.dtm.valid_fraction, 1) << " % valid, heights "
+        << fixed(t.dtm.min_height, 1) << " to " << fixed(t.dtm.max_height, 1) << " m\n"
         << "               easting " << fixed(low.easting, 1) << " to " << fixed(high.easting, 1) << ", northing " << fixed(low.northing, 1) << " to "
         << fixed(high.northing, 1) << "\n"
-        << "model          " << g.columns << " x " << g.rows << " cells of " << g.cell << " m; differs from the DTM by " << fixed(t.resample_report.rms_difference, 3)
-        << " m (rms), " << fixed(t.resample_report.max_difference, 2) << " m (largest)\n"
-        << "               " << t.surface_report << "\n";
+        << "model          " << g.columns << " x " << g.rows << " cells of " << g.cell << " m; differs from the DTM by " << fixed(t.resampling.rms_difference, 3)
+        << " m (rms), " << fixed(t.resampling.max_difference, 2) << " m (largest)\n"
+        << "               " << terrain.surface_report << "\n";
     double area = 0.0;
-    for (const double a : t.soil_report.area) area += a;
-    for (std::size_t k = 0; k < t.soil_report.soils.size(); ++k)
-        out << (k == 0 ? "soils          " : "               ") << t.soil_report.soils[k] << ": " << fixed(t.soil_report.area[k], 0) << " m2 ("
-            << fixed(100.0 * t.soil_report.area[k] / std::max(area, 1e-9), 1) << " %)\n";
-    if (t.soil_report.gap_area > 0.0) out << "               " << fixed(t.soil_report.gap_area, 0) << " m2 lie in no zone and take the default soil\n";
-    if (t.soil_report.divided_area > 0.0)
-        out << "               " << fixed(t.soil_report.divided_area, 0) << " m2 are facets on a boundary between soils, each with the soil of its centroid\n";
+    for (const double a : t.soils.area) area += a;
+    for (std::size_t k = 0; k < t.soils.soils.size(); ++k)
+        out << (k == 0 ? "soils          " : "               ") << t.soils.soils[k] << ": " << fixed(t.soils.area[k], 0) << " m2 ("
+            << fixed(100.0 * t.soils.area[k] / std::max(area, 1e-9), 1) << " %)\n";
+    if (t.soils.gap_area > 0.0) out << "               " << fixed(t.soils.gap_area, 0) << " m2 lie in no zone and take the default soil\n";
+    if (t.soils.divided_area > 0.0)
+        out << "               " << fixed(t.soils.divided_area, 0) << " m2 are facets on a boundary between soils, each with the soil of its centroid\n";
 }
 
 void print_blocks(std::ostream& out, const SiteModel& m) {
@@ -81,7 +86,7 @@ void print_release(std::ostream& out, const SiteModel& m) {
         low = std::min(low, state.position.z());
         high = std::max(high, state.position.z());
     }
-    out << "               the first " << tried << " start at heights " << fixed(low + m.terrain.frame.height, 1) << " to " << fixed(high + m.terrain.frame.height, 1) << " m; " << lifted
+    out << "               the first " << tried << " start at heights " << fixed(low + m.terrain.data.frame.height, 1) << " to " << fixed(high + m.terrain.data.frame.height, 1) << " m; " << lifted
         << " were lifted to start free of the ground" << (lifted > 0 ? ", by up to " + fixed(most, 2) + " m" : "") << "\n";
 }
 
@@ -95,7 +100,8 @@ ExitCode run_check(const Context& context) {
     std::ostream& out = *context.out;
     out << "site           " << site.settings.name << " (" << site.file.string() << ")\n";
     print_terrain(out, model.terrain);
-    if (model.terrain.zones) out << "zones          " << layer_text(*model.terrain.zones) << "\n";
+    if (model.terrain.data.zones) out << "zones          " << report_text(*model.terrain.data.zones) << "\n";
+    if (model.terrain.data.breaklines) out << "breaklines     " << report_text(*model.terrain.data.breaklines) << "\n";
     print_blocks(out, model);
     print_release(out, model);
     if (model.screens) out << "screens        " << layer_text(*model.screens) << "\n";

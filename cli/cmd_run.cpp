@@ -127,7 +127,7 @@ ExitCode run_run(const Context& context) {
     }
 
     gis::ResultsPackage package;
-    package.frame = model.terrain.frame;
+    package.frame = model.terrain.data.frame;
     package.title = site.settings.name;
     package.vectors = campaign_vectors(model, result);
     package.rasters = campaign_rasters(model, result);

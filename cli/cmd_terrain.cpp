@@ -33,7 +33,7 @@ gis::VectorLayer facets_layer(const SiteTerrain& terrain) {
         if (f >= terrain.surface->facet_count()) return false;
         feature.id = f + 1;
         feature.geometry = MultiPolygon{Polygon{{c[0].head<2>(), c[1].head<2>(), c[2].head<2>()}, {}}};
-        feature.values = {f, terrain.soil_report.soils[soil], slope_deg((c[1] - c[0]).cross(c[2] - c[0]).normalized())};
+        feature.values = {f, terrain.data.soils.soils[soil], slope_deg((c[1] - c[0]).cross(c[2] - c[0]).normalized())};
         ++f;
         return true;
     };
@@ -48,14 +48,14 @@ gis::RasterLayer heights_layer(const SiteTerrain& terrain) {
     layer.quantity_definition = "height of the model terrain at the centre of the cell, in the datum of the DTM";
     layer.theme = gis::RasterTheme::Terrain;
     layer.visible = true;
-    layer.values = Grid<float>(terrain.grid.shape);
-    for (std::size_t k = 0; k < terrain.grid.values.size(); ++k) layer.values.values[k] = static_cast<float>(terrain.grid.values[k] + terrain.frame.height);
+    layer.values = Grid<float>(terrain.data.grid.shape);
+    for (std::size_t k = 0; k < terrain.data.grid.values.size(); ++k) layer.values.values[k] = static_cast<float>(terrain.data.grid.values[k] + terrain.data.frame.height);
     return layer;
 }
 
 /// Mean slope of the four facets around a node is what a map shows: from the normal of the surface around the centre of the cell.
 gis::RasterLayer slope_layer(const SiteTerrain& terrain) {
-    const Grid<double>& g = terrain.grid;
+    const Grid<double>& g = terrain.data.grid;
     gis::RasterLayer layer;
     layer.name = "slope_deg";
     layer.title = "Slope";
@@ -80,13 +80,14 @@ ExitCode run_terrain(const Context& context) {
     if (context.output.empty()) folder += "_terrain";
     gis::require_free_results_folder(folder, context.overwrite);
     const SiteTerrain terrain = load_terrain(site);
-    print_warnings(context, terrain.warnings);
+    print_warnings(context, terrain.data.warnings());
 
     gis::ResultsPackage package;
-    package.frame = terrain.frame;
+    package.frame = terrain.data.frame;
     package.title = site.settings.name + ": terrain";
     package.vectors.push_back(facets_layer(terrain));
-    if (terrain.zones) package.vectors.push_back(input_layer(*terrain.zones, "soil_zones", "Soil zones", ""));
+    if (!site.settings.zones.file.empty())
+        package.vectors.push_back(input_layer(read_site_layer(site, site.settings.zones, "soil zones", {GeometryKind::Polygon}, terrain), "soil_zones", "Soil zones", ""));
     package.rasters = {slope_layer(terrain), heights_layer(terrain)};
     package.provenance = {{"program", "scree " + version()}, {"site", site.settings.name}, {"surface", terrain.surface_report}};
     gis::write_results(folder, package, context.overwrite);

@@ -159,9 +159,11 @@ void add_site_and_terrain(std::vector<Setting<SiteSettings>>& keys) {
     keys.push_back(terrain.number("resolution", "m", kNotNegative, AT(resolution),
         "Cell of the model, averaged from the DTM by area; 0 keeps the DTM's own. Finer terrain has more roughness that blocks trip over: parameters belong to a resolution."));
     keys.push_back(terrain.choice("surface", kSurfaceKindNames, AT(surface),
-        "grid: two facets a cell. tin: as few facets as the tolerance allows."));
+        "grid: two facets a cell. tin: as few facets as the tolerance allows; its slopes may differ more than its heights."));
     keys.push_back(terrain.number("tolerance", "m", kPositive, AT(tolerance), "Largest vertical distance between tin and grid; larger smooths the terrain."));
-    keys.push_back(terrain.flag("conforming", AT(conforming), "Facets of the tin end at the boundaries of soil zones; false assigns soils by centroid."));
+    keys.push_back(terrain.flag("conforming", AT(conforming), "true: facets end at the boundaries of soil zones. false: a facet has the soil at its centroid."));
+    keys.push_back(terrain.path("breaklines", AT(breaklines.file), "Lines or polygons that facets must not cross, such as crests or road edges."));
+    keys.push_back(terrain.text("breaklines_layer", AT(breaklines.layer), "Layer of that file; empty if it has only one."));
     keys.push_back(zones.path("file", AT(zones.file), "Polygons of soils; without it the default soil is everywhere."));
     keys.push_back(zones.text("layer", AT(zones.layer), "Layer of that file; empty if it has only one."));
     keys.push_back(zones.text("field", AT(zones.field), "Text field with the name of a [[soil]]."));

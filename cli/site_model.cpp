@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <sstream>
 
 namespace scree::cli {
 
@@ -23,16 +24,6 @@ gis::SoilZoneSettings zone_settings(const SiteSettings& s) {
         if (s.soils[k].name == s.default_soil) zones.default_soil = static_cast<SoilId>(k);
     }
     return zones;
-}
-
-gis::VectorData read_layer(const SiteFile& site, const VectorInput& input, const char* purpose, std::vector<GeometryKind> kinds,
-                           const SiteTerrain& terrain) {
-    gis::VectorSource source;
-    source.file = site.resolve(input.file).string();
-    source.layer = input.layer;
-    source.kinds = std::move(kinds);
-    source.purpose = purpose;
-    return gis::read_vector(source, terrain.frame, terrain.grid.shape.bounds());
 }
 
 std::vector<Screen> make_screens(const gis::VectorData& data, const std::string& field) {
@@ -100,54 +91,57 @@ GridShape result_cells(const GridShape& model, double resolution) {
 
 SiteTerrain load_terrain(const SiteFile& site) {
     const SiteSettings& s = site.settings;
-    SiteTerrain terrain;
-    gis::Dtm dtm = gis::read_dtm(site.resolve(s.dtm).string());
-    terrain.frame = dtm.frame;
-    terrain.dtm_cell_x = dtm.dx;
-    terrain.dtm_cell_y = dtm.dy;
-    append(terrain.warnings, dtm.report.warnings);
-    double resolution = s.resolution;
-    if (resolution <= 0.0) {
-        resolution = std::max(dtm.dx, dtm.dy);
-        if (std::abs(dtm.dx - dtm.dy) > 1e-6 * resolution)
-            terrain.warnings.push_back("the DTM's cells are not square; the model takes the larger edge as its resolution");
-    }
-    gis::ResampledDtm resampled = gis::resample(dtm, resolution);
-    append(terrain.warnings, resampled.report.warnings);
-    terrain.dtm_report = std::move(dtm.report);
-    terrain.resample_report = std::move(resampled.report);
-    terrain.grid = std::move(resampled.grid);
+    gis::TerrainSource source;
+    source.dtm = site.resolve(s.dtm).string();
+    source.resolution = s.resolution;
+    source.surface = s.surface == SurfaceKind::Grid ? gis::Surface::Grid : gis::Surface::Tin;
+    source.tolerance = s.tolerance;
+    source.conforming = s.conforming;
+    if (!s.zones.file.empty()) source.zones_file = site.resolve(s.zones.file).string();
+    source.zones_layer = s.zones.layer;
+    source.zones = zone_settings(s);
+    if (!s.breaklines.file.empty()) source.breaklines_file = site.resolve(s.breaklines.file).string();
+    source.breaklines_layer = s.breaklines.layer;
 
-    if (!s.zones.file.empty()) {
-        terrain.zones = read_layer(site, s.zones, "soil zones", {GeometryKind::Polygon}, terrain);
-        append(terrain.warnings, terrain.zones->report.warnings);
-    }
-    const gis::SoilZones zones = terrain.zones ? gis::SoilZones(*terrain.zones, zone_settings(s)) : gis::SoilZones(zone_settings(s));
-    append(terrain.warnings, zones.warnings());
-    if (s.surface == SurfaceKind::Grid) {
-        gis::FacetSoils soils = gis::assign_soils(zones, terrain.grid);
-        terrain.soil_report = soils.report;
-        terrain.surface = make_grid_surface(terrain.grid, std::move(soils.soil));
-        terrain.surface_report = std::to_string(terrain.surface->facet_count()) + " facets, two a cell";
+    SiteTerrain terrain;
+    terrain.data = gis::read_terrain(source);
+    std::ostringstream words;
+    if (terrain.data.mesh) {
+        terrain.surface = make_mesh_surface(std::move(*terrain.data.mesh));
+        words << terrain.surface->facet_count() << " facets of a triangulated mesh";
+        if (terrain.data.triangulation)
+            words << "; heights differ from the grid by " << terrain.data.triangulation->rms_error << " m (rms), " << terrain.data.triangulation->max_error << " m (largest)";
     } else {
-        throw InputError("terrain.surface = \"tin\" is not available in this build");
+        terrain.surface = make_grid_surface(terrain.data.grid, std::move(terrain.data.grid_soil));
+        words << terrain.surface->facet_count() << " facets, two a cell";
     }
-    append(terrain.warnings, terrain.soil_report.warnings);
+    terrain.surface_report = words.str();
     return terrain;
+}
+
+gis::VectorData read_site_layer(const SiteFile& site, const VectorInput& input, const char* purpose, std::vector<GeometryKind> kinds,
+                                const SiteTerrain& terrain) {
+    gis::VectorSource source;
+    source.file = site.resolve(input.file).string();
+    source.layer = input.layer;
+    source.kinds = std::move(kinds);
+    source.purpose = purpose;
+    return gis::read_vector(source, terrain.data.frame, terrain.data.grid.shape.bounds());
 }
 
 SiteModel load_site(const SiteFile& site) {
     const SiteSettings& s = site.settings;
     SiteModel model;
     model.terrain = load_terrain(site);
-    model.warnings = model.terrain.warnings;
+    model.warnings = model.terrain.data.warnings();
     model.inputs.push_back(site.resolve(s.dtm).string());
-    if (model.terrain.zones) model.inputs.push_back(site.resolve(s.zones.file).string());
+    if (!s.zones.file.empty()) model.inputs.push_back(site.resolve(s.zones.file).string());
+    if (!s.breaklines.file.empty()) model.inputs.push_back(site.resolve(s.breaklines.file).string());
 
-    model.release = read_layer(site, s.release, "release", {GeometryKind::Polygon, GeometryKind::LineString, GeometryKind::Point}, model.terrain);
+    model.release = read_site_layer(site, s.release, "release", {GeometryKind::Polygon, GeometryKind::LineString, GeometryKind::Point}, model.terrain);
     append(model.warnings, model.release.report.warnings);
     model.inputs.push_back(site.resolve(s.release.file).string());
-    model.area = std::make_unique<ReleaseArea>(model.release.layer, *model.terrain.surface, s.releases.pattern, model.terrain.grid.shape);
+    model.area = std::make_unique<ReleaseArea>(model.release.layer, *model.terrain.surface, s.releases.pattern, model.terrain.data.grid.shape);
     if (model.area->inside_share() < 0.999) {
         const int percent = static_cast<int>(std::lround(100.0 * (1.0 - model.area->inside_share())));
         model.warnings.push_back(s.release.file + ": about " + std::to_string(percent) + " % of the release features lie off the terrain; blocks start on the rest only");
@@ -156,13 +150,13 @@ SiteModel load_site(const SiteFile& site) {
     CampaignInput& c = model.campaign;
     c.population = make_population(site, model);
     if (!s.screens.file.empty()) {
-        model.screens = read_layer(site, s.screens, "screens", {GeometryKind::LineString, GeometryKind::Polygon}, model.terrain);
+        model.screens = read_site_layer(site, s.screens, "screens", {GeometryKind::LineString, GeometryKind::Polygon}, model.terrain);
         append(model.warnings, model.screens->report.warnings);
         model.inputs.push_back(site.resolve(s.screens.file).string());
         c.screens = make_screens(*model.screens, s.screens.field);
     }
     if (!s.deposit_zones.file.empty()) {
-        model.deposit_zones = read_layer(site, s.deposit_zones, "deposit zones", {GeometryKind::Polygon}, model.terrain);
+        model.deposit_zones = read_site_layer(site, s.deposit_zones, "deposit zones", {GeometryKind::Polygon}, model.terrain);
         append(model.warnings, model.deposit_zones->report.warnings);
         model.inputs.push_back(site.resolve(s.deposit_zones.file).string());
         c.deposit_zones = make_deposit_zones(*model.deposit_zones, s.deposit_zones.field);
@@ -178,7 +172,7 @@ SiteModel load_site(const SiteFile& site) {
         model.warnings.push_back("release.count = " + std::to_string(s.releases.count) + " is less than the " + std::to_string(model.area->cell_count()) +
                                  " start cells: some cells release no block");
     c.seed = static_cast<std::uint64_t>(s.seed);
-    c.result_cells = result_cells(model.terrain.grid.shape, s.result_resolution);
+    c.result_cells = result_cells(model.terrain.data.grid.shape, s.result_resolution);
     c.kept_trajectories = s.trajectories;
     return model;
 }

@@ -2,9 +2,7 @@
 #pragma once
 
 #include "cli/site_file.hpp"
-#include "gis/dtm_reader.hpp"
-#include "gis/resample.hpp"
-#include "gis/soil_zones.hpp"
+#include "gis/terrain.hpp"
 #include "gis/vector_reader.hpp"
 #include "scree/ensemble/campaign.hpp"
 
@@ -15,19 +13,11 @@
 
 namespace scree::cli {
 
-/// The terrain of a site, ready for the mechanics, with the reports of how it came about.
+/// The terrain of a site, ready for the mechanics.
 struct SiteTerrain {
-    gis::DtmReport dtm_report;
-    double dtm_cell_x = 0.0;               ///< cell of the DTM west to east [m]
-    double dtm_cell_y = 0.0;               ///< south to north [m]
-    LocalFrame frame;
-    Grid<double> grid;                     ///< heights at the model resolution [m]
-    gis::ResampleReport resample_report;
+    gis::Terrain data;                 ///< grid, frame and the reports of how they came about
     std::unique_ptr<Surface> surface;
-    gis::SoilReport soil_report;
-    std::optional<gis::VectorData> zones;  ///< polygons as read
-    std::string surface_report;            ///< facets and errors, in words
-    std::vector<std::string> warnings;
+    std::string surface_report;        ///< facets and errors, in words
 };
 
 SiteTerrain load_terrain(const SiteFile& site);
@@ -45,6 +35,10 @@ struct SiteModel {
 };
 
 SiteModel load_site(const SiteFile& site);
+
+/// Reads a layer of the site in the terrain's frame.
+gis::VectorData read_site_layer(const SiteFile& site, const VectorInput& input, const char* purpose, std::vector<GeometryKind> kinds,
+                                const SiteTerrain& terrain);
 
 /// The points of a block shape from text (x y z per line), OBJ or STL.
 std::vector<Vec3> read_shape_points(const std::filesystem::path& file);

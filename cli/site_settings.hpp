@@ -33,7 +33,8 @@ struct SiteSettings {
     double resolution = 0.0;           ///< 0: that of the DTM [m]
     SurfaceKind surface = SurfaceKind::Grid;
     double tolerance = 0.1;            ///< of the tin [m]
-    bool conforming = true;            ///< tin only: facets end at soil boundaries
+    bool conforming = false;           ///< facets end at soil boundaries
+    VectorInput breaklines;
 
     std::vector<Soil> soils;
     VectorInput zones{{}, {}, "soil"};

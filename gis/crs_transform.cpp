@@ -57,8 +57,13 @@ CrsTransform::Operation CrsTransform::last_operation() const {
     const std::unique_ptr<PJ, State::Deleter> used(proj_trans_get_last_used_operation(state_->operation.get()));
     if (!used) return {};
     const PJ_PROJ_INFO info = proj_pj_info(used.get());
+    std::string name = info.description ? info.description : "";
+    for (const std::string noise : {"axis order change (2D) + ", " + axis order change (2D)"}) {
+        for (std::size_t at = name.find(noise); at != std::string::npos; at = name.find(noise))
+            name.erase(at, noise.size());
+    }
     const double accuracy = proj_coordoperation_get_accuracy(state_->context.get(), used.get());
-    return {info.description ? info.description : "", accuracy >= 0 ? accuracy : kNaN};
+    return {name, accuracy >= 0 ? accuracy : kNaN};
 }
 
 }  // namespace scree::gis

@@ -272,30 +272,29 @@ void check_heights(const HeightCensus& census, const std::string& file, const Dt
         const double value = census.bad_value;
         const std::size_t count = census.infinite + census.outside;
         if (std::isinf(value)) {
-            refuse(file,
-                   words("has ", count, count == 1 ? " cell" : " cells", " with an infinite or impossible height, ",
-                         value > 0 ? "+" : "-", "infinity ", at(census.bad_column, census.bad_row),
-                         "; set them to nodata, for example with gdal_calc.py "
-                         "--calc=\"where(isinf(A),-9999,A)\" --NoDataValue=-9999."));
+            refuse(file, words("has ", counted(count, "cell"), " with an infinite or impossible height, ",
+                               value > 0 ? "+" : "-", "infinity ", at(census.bad_column, census.bad_row),
+                               "; set them to nodata, for example with gdal_calc.py "
+                               "--calc=\"where(isinf(A),-9999,A)\" --NoDataValue=-9999."));
         }
         const bool sentinel = std::any_of(kSentinels.begin(), kSentinels.end(),
                                           [&](double s) { return std::abs(value - s) <= 1e-6 * std::abs(s); });
         refuse(
             file,
-            words("has ", count, count == 1 ? " cell" : " cells", " with heights outside of [", settings.lowest_height,
-                  ", ", settings.highest_height, "] m, ", value, " m ", at(census.bad_column, census.bad_row),
+            words("has ", counted(count, "cell"), " with heights outside of [", settings.lowest_height, ", ",
+                  settings.highest_height, "] m, ", value, " m ", at(census.bad_column, census.bad_row),
                   sentinel || std::abs(value) > 1e5
                       ? "; this looks like a nodata value without its tag: set the tag with gdal_translate -a_nodata "
                       : "; if this means \"no height\", set the tag with gdal_translate -a_nodata ",
                   value, " in.tif out.tif."));
     }
     if (census.valid < 4) {
-        refuse(file, words("has ", census.valid,
-                           " cells with a height, too few for a surface (at least 4); all others are nodata."));
+        refuse(file, words("has ", counted(census.valid, "cell"),
+                           " with a height, too few for a surface (at least 4); all others are nodata."));
     }
     const std::size_t others = census.valid - census.zeros;
     if (census.zeros > 0 && others > 0 && census.min_nonzero > kZeroCliff) {
-        refuse(file, words("has ", census.zeros, census.zeros == 1 ? " cell" : " cells", " of height 0 ",
+        refuse(file, words("has ", counted(census.zeros, "cell"), " of height 0 ",
                            at(census.zero_column, census.zero_row), " while all others are above ", census.min_nonzero,
                            " m; they look like holes filled with zero: set the tag with "
                            "gdal_translate -a_nodata 0 in.tif out.tif."));
@@ -346,8 +345,8 @@ void add_warnings(const HeightCensus& census, const Decoder& decoder, const Gdal
             " m per metre, and blocks will bounce on steps that do not exist; use a raster of real numbers."));
     }
     if (decoder.untagged_nan() > 0) {
-        report.warnings.push_back(words(place, " has ", decoder.untagged_nan(),
-                                        " cells that are not a number without a nodata tag: they are taken as holes."));
+        report.warnings.push_back(words(place, " has ", counted(decoder.untagged_nan(), "cell"),
+                                        " of NaN without a nodata tag, taken as holes."));
     }
     if (report.valid_fraction < kSparse) {
         report.warnings.push_back(
@@ -393,6 +392,8 @@ Dtm read_dtm(const std::string& file, const DtmSettings& settings) {
     Decoder decoder(band);
     const HeightCensus census = read_heights(decoder, place, file, settings, scope, dtm);
     check_heights(census, file, settings);
+    dtm.report.cell_x = dtm.dx;
+    dtm.report.cell_y = dtm.dy;
     dtm.report.valid_fraction = static_cast<double>(census.valid) / static_cast<double>(dtm.heights.size());
     dtm.report.min_height = census.min;
     dtm.report.max_height = census.max;

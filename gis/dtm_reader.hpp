@@ -24,6 +24,8 @@ struct DtmReport {
     std::string driver;           ///< GDAL's name of the format
     std::string data_type;        ///< GDAL's name of the pixel type
     std::string crs_name;         ///< with its code where it has one; empty: unknown
+    double cell_x = 0.0;          ///< width of a cell, west to east [m]
+    double cell_y = 0.0;          ///< height of a cell in plan, south to north [m]
     double valid_fraction = 0.0;  ///< share of the cells that have a height [-]
     double min_height = kNaN;     ///< lowest height in the map frame [m]
     double max_height = kNaN;     ///< highest height in the map frame [m]

@@ -10,7 +10,7 @@ namespace scree::gis {
 
 namespace {
 
-constexpr double kTouch = 1e-6;  // a boundary that reaches less than this into a facet only touches it [m]
+constexpr double kTouch = 1e-6;  // a boundary that reaches less than this into a facet of a grid only touches it [m]
 
 using Triangle = std::array<Vec2, 3>;  // in plan, counter-clockwise [m]
 
@@ -19,14 +19,14 @@ double area_of(const Triangle& t) {
     return 0.5 * (a.x() * b.y() - a.y() * b.x());
 }
 
-// Does the segment pass through the inside of the triangle?
-bool passes_through(const Vec2& a, const Vec2& b, const Triangle& t) {
+// Does the segment reach further than `touch` into the triangle?
+bool passes_through(const Vec2& a, const Vec2& b, const Triangle& t, double touch) {
     double from = 0, to = 1;
     for (int k = 0; k < 3; ++k) {
         const Vec2& p = t[static_cast<std::size_t>(k)];
         const Vec2 edge = t[static_cast<std::size_t>((k + 1) % 3)] - p;
         const Vec2 inward = Vec2{-edge.y(), edge.x()} / edge.norm();
-        const double at_a = inward.dot(a - p) - kTouch, at_b = inward.dot(b - p) - kTouch;
+        const double at_a = inward.dot(a - p) - touch, at_b = inward.dot(b - p) - touch;
         if (at_a <= 0 && at_b <= 0) return false;
         if (at_a < 0) from = std::max(from, at_a / (at_a - at_b));
         if (at_b < 0) to = std::min(to, at_a / (at_a - at_b));
@@ -37,7 +37,7 @@ bool passes_through(const Vec2& a, const Vec2& b, const Triangle& t) {
 // Segments of the zones' boundaries in square bins.
 class BoundaryIndex {
 public:
-    BoundaryIndex(const std::vector<Ring>& rings, const Box2& area, double facet_size) {
+    BoundaryIndex(const std::vector<Ring>& rings, const Box2& area, double facet_size, double touch) : touch_(touch) {
         std::size_t count = 0;
         for (const Ring& ring : rings) count += ring.size();
         if (count == 0 || area.empty()) return;
@@ -58,7 +58,8 @@ public:
         for (const Vec2& p : t) box.add(p);
         bool found = false;
         visit(box, [&](const std::vector<std::size_t>& bin) {
-            for (const std::size_t s : bin) found = found || passes_through(segments_[s].first, segments_[s].second, t);
+            for (const std::size_t s : bin)
+                found = found || passes_through(segments_[s].first, segments_[s].second, t, touch_);
         });
         return found;
     }
@@ -72,7 +73,7 @@ private:
             Box2 box;
             box.add(Vec2(a + (b - a) * (static_cast<double>(k) / pieces)));
             box.add(Vec2(a + (b - a) * (static_cast<double>(k + 1) / pieces)));
-            visit(box.grown(kTouch), [&](std::vector<std::size_t>& bin) {
+            visit(box.grown(1e-6), [&](std::vector<std::size_t>& bin) {
                 if (bin.empty() || bin.back() != segments_.size() - 1) bin.push_back(segments_.size() - 1);
             });
         }
@@ -105,6 +106,7 @@ private:
 
     std::vector<std::pair<Vec2, Vec2>> segments_;  // [m]
     std::vector<std::vector<std::size_t>> bins_;   // indices of segments
+    double touch_ = kTouch;                        // [m]
     double cell_ = 1;                              // [m]
     Vec2 origin_ = Vec2::Zero();                   // [m]
     int columns_ = 0, rows_ = 0;                   // [-]
@@ -113,8 +115,8 @@ private:
 // Takes the facets one by one.
 class Assignment {
 public:
-    Assignment(const SoilZones& zones, std::size_t facets, const Box2& area, double facet_size)
-        : zones_(zones), boundary_(zones.boundaries(), area, facet_size) {
+    Assignment(const SoilZones& zones, std::size_t facets, const Box2& area, double facet_size, double touch)
+        : zones_(zones), boundary_(zones.boundaries(), area, facet_size, touch) {
         result_.soil.assign(facets, zones.settings().default_soil);
         result_.report.soils = zones.settings().soils;
         result_.report.area.assign(zones.settings().soils.size(), 0.0);
@@ -162,7 +164,7 @@ FacetSoils assign_soils(const SoilZones& zones, const Grid<double>& grid) {
     const GridShape& shape = grid.shape;
     const std::size_t cells = static_cast<std::size_t>(std::max(0, shape.columns - 1)) *
                               static_cast<std::size_t>(std::max(0, shape.rows - 1));
-    Assignment assignment(zones, 2 * cells, shape.bounds(), shape.cell);
+    Assignment assignment(zones, 2 * cells, shape.bounds(), shape.cell, kTouch);
     std::size_t facet = 0;
     for (int j = 0; j + 1 < shape.rows; ++j) {
         for (int i = 0; i + 1 < shape.columns; ++i) {
@@ -177,12 +179,12 @@ FacetSoils assign_soils(const SoilZones& zones, const Grid<double>& grid) {
     return assignment.finish();
 }
 
-FacetSoils assign_soils(const SoilZones& zones, const TriangleMesh& mesh) {
+FacetSoils assign_soils(const SoilZones& zones, const TriangleMesh& mesh, double touch) {
     Box2 area;
     for (const Vec3& v : mesh.vertices) area.add(v.head<2>());
     const double mean_size =
         mesh.facets.empty() ? 1.0 : std::sqrt((area.max - area.min).prod() / static_cast<double>(mesh.facets.size()));
-    Assignment assignment(zones, mesh.facets.size(), area, mean_size);
+    Assignment assignment(zones, mesh.facets.size(), area, mean_size, touch);
     for (std::size_t f = 0; f < mesh.facets.size(); ++f) {
         Triangle t;
         for (std::size_t k = 0; k < 3; ++k) t[k] = mesh.vertices[static_cast<std::size_t>(mesh.facets[f][k])].head<2>();

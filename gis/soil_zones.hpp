@@ -78,7 +78,8 @@ private:
 /// f = 2 (j (columns - 1) + i) is (i, j), (i+1, j), (i, j+1) and facet f + 1 is (i+1, j), (i+1, j+1), (i, j+1).
 /// Facets with a node without height get the default soil and count in no area.
 FacetSoils assign_soils(const SoilZones& zones, const Grid<double>& grid);
-/// Soil of each facet of a mesh.
-FacetSoils assign_soils(const SoilZones& zones, const TriangleMesh& mesh);
+/// Soil of each facet of a mesh. A boundary that reaches less than `touch` [m] into a facet does not divide it: a conforming mesh
+/// follows boundaries to within a small part of a cell only.
+FacetSoils assign_soils(const SoilZones& zones, const TriangleMesh& mesh, double touch = 1e-6);
 
 }  // namespace scree::gis

@@ -263,13 +263,13 @@ BlockList read_block_list(const std::string& file) {
                                (twice + 1)->second, "; give each block a name of its own."));
     }
     if (unsorted > 0) {
-        list.warnings.push_back(words(place, " has ", unsorted,
-                                      " blocks whose edges are not in the order L1 >= L2 >= L3 (first in line ",
-                                      first_unsorted, "): they were sorted."));
+        list.warnings.push_back(words(place, " has ", counted(unsorted, "block"),
+                                      " with edges not in the order L1 >= L2 >= L3 (first in line ", first_unsorted,
+                                      "); sorted here."));
     }
     if (strange > 0) {
-        list.warnings.push_back(words(place, " has ", strange,
-                                      " blocks whose mass does not suit their edges (first in line ", first_strange,
+        list.warnings.push_back(words(place, " has ", counted(strange, "block"),
+                                      " with a mass that does not suit the edges (first in line ", first_strange,
                                       "): mass / (L1 L2 L3) of rock is between ", kMinBoxDensity, " and ",
                                       kMaxBoxDensity, " kg/m3; check the units."));
     }

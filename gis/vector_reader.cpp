@@ -134,13 +134,13 @@ private:
         if (!scope_.reason().empty())
             refuse(words("cannot be read to its end", scope_.reason(), "; the file is damaged, copy it again."));
         if (data_.layer.features.empty()) {
-            refuse(without_geometry > 0
-                       ? words("has ", without_geometry, " features but none with a geometry; draw at least one.")
-                       : std::string("is empty; draw at least one feature."));
+            refuse(without_geometry > 0 ? words("has ", counted(without_geometry, "feature"),
+                                                " but none with a geometry; draw at least one.")
+                                        : std::string("is empty; draw at least one feature."));
         }
         if (without_geometry > 0)
-            warn(words("has ", without_geometry, " features without a geometry (first: ", first_without,
-                       "): they are left out."));
+            warn(words("has ", counted(without_geometry, "feature"), " without a geometry (first: ", first_without,
+                       "), left out."));
     }
 
     void read_feature(const OGRFeature& source, const OGRGeometry& original) {
@@ -336,9 +336,11 @@ private:
                     : "; check its coordinates and its CRS" +
                           (data_.report.crs_name.empty() ? std::string() : " '" + data_.report.crs_name + "'") + "."));
         }
-        if (outside > 0) warn(words("has ", outside, " features outside of the terrain (first: ", first_outside, ")."));
+        if (source_.may_reach_beyond) return;
+        if (outside > 0)
+            warn(words("has ", counted(outside, "feature"), " outside of the terrain (first: ", first_outside, ")."));
         if (across > 0)
-            warn(words("has ", across, " features that reach beyond the terrain (first: ", first_across,
+            warn(words("has ", counted(across, "feature"), " reaching beyond the terrain (first: ", first_across,
                        "): only the part on it counts."));
     }
 

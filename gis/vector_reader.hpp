@@ -14,6 +14,7 @@ struct VectorSource {
     std::string layer;                    ///< name of the layer; empty: the only one of the file
     std::vector<GeometryKind> kinds;      ///< allowed kinds; the features of a layer must all have the same one
     std::string purpose = "vector file";  ///< what messages call it: "release zones"
+    bool may_reach_beyond = false;        ///< true: no warning for features beyond the extent, as is usual for soils
 };
 
 struct VectorReport {

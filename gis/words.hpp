@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <cstddef>
 #include <locale>
 #include <sstream>
 #include <string>
@@ -15,6 +16,11 @@ std::string words(const Parts&... parts) {
     out.precision(10);
     (out << ... << parts);
     return out.str();
+}
+
+/// "1 cell", "2 cells".
+inline std::string counted(std::size_t count, const std::string& noun) {
+    return words(count, " ", noun, count == 1 ? "" : "s");
 }
 
 /// A number with a given count of decimals: fixed(0.6789, 2) is "0.68".

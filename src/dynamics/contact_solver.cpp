@@ -47,7 +47,8 @@ struct Scaled {
     Matrix W;
     Vector q;
     Vector scale;                     ///< S
-    std::vector<double> mu, mu_r;     ///< mu unchanged, mu_r scaled
+    using PerContact = Eigen::Matrix<double, N == Dynamic ? Dynamic : N / kLocal, 1>;
+    PerContact mu, mu_r;              ///< mu unchanged, mu_r scaled
     double norm_q = 0.0;
 
     explicit Scaled(const ContactProblem<Dim>& problem) {
@@ -55,8 +56,8 @@ struct Scaled {
         W = problem.delassus;
         q = problem.free_velocity;
         scale.resize(n);
-        mu = problem.friction;
-        mu_r = problem.rolling;
+        mu = Eigen::Map<const PerContact>(problem.friction.data(), problem.count);
+        mu_r = Eigen::Map<const PerContact>(problem.rolling.data(), problem.count);
         for (int c = 0; c < problem.count; ++c) {
             const Eigen::Index at = static_cast<Eigen::Index>(c) * kLocal;
             double linear = 0.0, angular = 0.0;
@@ -66,7 +67,7 @@ struct Scaled {
             const double s_r = 1.0 / std::sqrt(std::max(angular / kTangent, kTiny));
             for (int k = 0; k < kLocal; ++k) scale[at + k] = k <= kTangent ? s : s_r;
             // |m| <= mu_r r  <=>  s_r |m~| <= mu_r s r~
-            mu_r[static_cast<std::size_t>(c)] *= s / s_r;
+            mu_r[c] *= s / s_r;
         }
         W = scale.asDiagonal() * W * scale.asDiagonal();
         q = scale.cwiseProduct(q);
@@ -96,7 +97,7 @@ double residual(const Scaled<Dim, N>& s, const typename Scaled<Dim, N>::Vector& 
         }
         for (int part = 0; part < 2; ++part) {
             const Eigen::Index at = n + 1 + part * S::kTangent;
-            const double limit = (part == 0 ? s.mu : s.mu_r)[static_cast<std::size_t>(c)];
+            const double limit = (part == 0 ? s.mu : s.mu_r)[c];
             const double threshold = limit * std::max(sigma, 0.0);
             const typename S::Tangent y = p.template segment<S::kTangent>(at) - u.template segment<S::kTangent>(at);
             const double length = y.norm();
@@ -266,7 +267,7 @@ void clip_to_cone(const Scaled<Dim, N>& s, typename Scaled<Dim, N>::Vector& p) {
         p[n] = std::max(p[n], 0.0);
         for (int part = 0; part < 2; ++part) {
             const Eigen::Index at = n + 1 + part * S::kTangent;
-            const double limit = (part == 0 ? s.mu : s.mu_r)[static_cast<std::size_t>(c)] * p[n];
+            const double limit = (part == 0 ? s.mu : s.mu_r)[c] * p[n];
             const double length = p.template segment<S::kTangent>(at).norm();
             if (length > limit) p.template segment<S::kTangent>(at) *= limit / std::max(length, kTiny);
         }
@@ -274,16 +275,16 @@ void clip_to_cone(const Scaled<Dim, N>& s, typename Scaled<Dim, N>::Vector& p) {
 }
 
 /// Solves contact c exactly with the impulses of the others held.
-template <int Dim>
-void relax_contact(const Scaled<Dim, Dynamic>& s, int c, typename Scaled<Dim, Dynamic>::Vector& p) {
+template <int Dim, int N>
+void relax_contact(const Scaled<Dim, N>& s, int c, typename Scaled<Dim, N>::Vector& p) {
     constexpr int L = kLocalSize<Dim>;
     const Eigen::Index n = static_cast<Eigen::Index>(c) * L;
     ContactProblem<Dim> one;
     one.resize(1);
     one.delassus = s.W.block(n, n, L, L);
     one.free_velocity = s.q.segment(n, L) + s.W.middleRows(n, L) * p - one.delassus * p.segment(n, L);
-    one.friction[0] = s.mu[static_cast<std::size_t>(c)];
-    one.rolling[0] = s.mu_r[static_cast<std::size_t>(c)];
+    one.friction[0] = s.mu[c];
+    one.rolling[0] = s.mu_r[c];
     const Scaled<Dim, L> local(one);
     int used = 0;
     double achieved = 0.0;
@@ -292,9 +293,23 @@ void relax_contact(const Scaled<Dim, Dynamic>& s, int c, typename Scaled<Dim, Dy
 }
 
 /// One Gauss-Seidel sweep over the contacts.
-template <int Dim>
-void sweep(const Scaled<Dim, Dynamic>& s, typename Scaled<Dim, Dynamic>::Vector& p) {
-    for (int c = 0; c < s.count(); ++c) relax_contact<Dim>(s, c, p);
+template <int Dim, int N>
+void sweep(const Scaled<Dim, N>& s, typename Scaled<Dim, N>::Vector& p) {
+    for (int c = 0; c < s.count(); ++c) relax_contact<Dim, N>(s, c, p);
+}
+
+/// A cold start: every contact by itself carries its share. Unlike a sweep it favours no contact: where several impulses solve the problem, as for a
+/// box that slides on four corners, the one found keeps the symmetry of the problem.
+template <int Dim, int N>
+void start_together(const Scaled<Dim, N>& s, typename Scaled<Dim, N>::Vector& p) {
+    using Vector = typename Scaled<Dim, N>::Vector;
+    const Vector nothing = Vector::Zero(s.q.size());
+    p = nothing;
+    for (int c = 0; c < s.count(); ++c) {
+        Vector alone = nothing;
+        relax_contact<Dim, N>(s, c, alone);
+        p += alone / s.count();
+    }
 }
 
 template <int Dim, int N>
@@ -305,18 +320,17 @@ double relative_residual(const Scaled<Dim, N>& s, const typename Scaled<Dim, N>:
 
 /// Continuation in compliance: contacts made soft by a share of their own diagonal are nearly independent, Newton then finds the solution
 /// from anywhere; the compliance is lowered to nothing while Newton follows.
-template <int Dim>
-typename Scaled<Dim, Dynamic>::Vector follow_compliance(const Scaled<Dim, Dynamic>& s, double compliance, const ContactSolverSettings& settings,
-                                                        int& newton_used) {
-    Scaled<Dim, Dynamic> soft = s;
-    typename Scaled<Dim, Dynamic>::Vector p = Eigen::VectorXd::Zero(s.q.size());
+template <int Dim, int N>
+typename Scaled<Dim, N>::Vector follow_compliance(const Scaled<Dim, N>& s, double compliance, const ContactSolverSettings& settings, int& newton_used) {
+    Scaled<Dim, N> soft = s;
+    typename Scaled<Dim, N>::Vector p = Scaled<Dim, N>::Vector::Zero(s.q.size());
     soft.W.diagonal() = s.W.diagonal() * (1.0 + compliance);
-    sweep<Dim>(soft, p);
+    start_together<Dim, N>(soft, p);
     for (; compliance > 1e-7; compliance *= 0.4) {
         soft.W.diagonal() = s.W.diagonal() * (1.0 + compliance);
-        newton<Dim, Dynamic>(soft, 1e-6, settings.newton_iterations, p, newton_used);
+        newton<Dim, N>(soft, 1e-6, settings.newton_iterations, p, newton_used);
     }
-    newton<Dim, Dynamic>(s, settings.tolerance, settings.newton_iterations, p, newton_used);
+    newton<Dim, N>(s, settings.tolerance, settings.newton_iterations, p, newton_used);
     return p;
 }
 
@@ -333,17 +347,17 @@ ContactSolverReport solve_single(const ContactProblem<Dim>& problem, const Conta
     return report;
 }
 
-template <int Dim>
+template <int Dim, int N>
 ContactSolverReport solve_several(const ContactProblem<Dim>& problem, const ContactSolverSettings& settings, Eigen::VectorXd& impulse) {
-    using S = Scaled<Dim, Dynamic>;
+    using S = Scaled<Dim, N>;
     ContactSolverReport report;
     const S s(problem);
     typename S::Vector p = impulse.cwiseQuotient(s.scale);
     if (p.squaredNorm() == 0.0) {
-        sweep<Dim>(s, p);  // a cold start: the first sweep sorts out most of the contact states
+        start_together<Dim, N>(s, p);  // sorts out most of the contact states
         ++report.sweeps;
     }
-    report.residual = newton<Dim, Dynamic>(s, settings.tolerance, settings.newton_iterations, p, report.newton_iterations);
+    report.residual = newton<Dim, N>(s, settings.tolerance, settings.newton_iterations, p, report.newton_iterations);
     typename S::Vector best = p;
     auto keep_if_better = [&](const typename S::Vector& candidate, double achieved) {
         if (!(achieved < report.residual)) return;
@@ -352,27 +366,27 @@ ContactSolverReport solve_several(const ContactProblem<Dim>& problem, const Cont
     };
     for (const double first_compliance : {1.0, 30.0, 0.03}) {
         if (report.residual <= settings.tolerance) break;
-        p = follow_compliance<Dim>(s, first_compliance, settings, report.newton_iterations);
-        keep_if_better(p, relative_residual<Dim, Dynamic>(s, p));
+        p = follow_compliance<Dim, N>(s, first_compliance, settings, report.newton_iterations);
+        keep_if_better(p, relative_residual<Dim, N>(s, p));
     }
     // one contact carries all: the right start where two nearly coincide
     for (int c = 0; c < problem.count && report.residual > settings.tolerance; ++c) {
         p.setZero();
-        relax_contact<Dim>(s, c, p);
-        const double achieved = newton<Dim, Dynamic>(s, settings.tolerance, settings.newton_iterations, p, report.newton_iterations);
+        relax_contact<Dim, N>(s, c, p);
+        const double achieved = newton<Dim, N>(s, settings.tolerance, settings.newton_iterations, p, report.newton_iterations);
         keep_if_better(p, achieved);
     }
     // Newton again after 1, 2, 4, ... sweeps from where the sweeps are
     for (int next = 1; report.residual > settings.tolerance && report.sweeps < settings.sweeps; next *= 2) {
         p = best;
-        clip_to_cone<Dim, Dynamic>(s, p);
-        for (int k = 0; k < next && report.sweeps < settings.sweeps; ++k, ++report.sweeps) sweep<Dim>(s, p);
-        keep_if_better(p, relative_residual<Dim, Dynamic>(s, p));
-        const double achieved = newton<Dim, Dynamic>(s, settings.tolerance, settings.newton_iterations, p, report.newton_iterations);
+        clip_to_cone<Dim, N>(s, p);
+        for (int k = 0; k < next && report.sweeps < settings.sweeps; ++k, ++report.sweeps) sweep<Dim, N>(s, p);
+        keep_if_better(p, relative_residual<Dim, N>(s, p));
+        const double achieved = newton<Dim, N>(s, settings.tolerance, settings.newton_iterations, p, report.newton_iterations);
         keep_if_better(p, achieved);
     }
     p = best;
-    clip_to_cone<Dim, Dynamic>(s, p);
+    clip_to_cone<Dim, N>(s, p);
     impulse = s.scale.cwiseProduct(p);
     report.status = report.residual <= settings.tolerance ? SolverStatus::Converged : SolverStatus::NotConverged;
     return report;
@@ -384,8 +398,13 @@ template <int Dim>
 ContactSolverReport solve_contacts(const ContactProblem<Dim>& problem, const ContactSolverSettings& settings, Eigen::VectorXd& impulse) {
     SCREE_ASSERT(impulse.size() == problem.free_velocity.size());
     if (problem.count == 0) return {SolverStatus::Converged, 0, 0, 0.0};
-    if (problem.count == 1) return solve_single<Dim>(problem, settings, impulse);
-    return solve_several<Dim>(problem, settings, impulse);
+    constexpr int L = kLocalSize<Dim>;
+    switch (problem.count) {  // sizes known to the compiler for the cases that matter
+        case 1: return solve_single<Dim>(problem, settings, impulse);
+        case 2: return solve_several<Dim, 2 * L>(problem, settings, impulse);
+        case 3: return solve_several<Dim, 3 * L>(problem, settings, impulse);
+        default: return solve_several<Dim, Dynamic>(problem, settings, impulse);
+    }
 }
 
 template <int Dim>
@@ -426,7 +445,7 @@ double natural_map_residual(const ContactProblem<Dim>& problem, const Eigen::Vec
     const Eigen::VectorXd u = s.W * p + s.q;
     double sum = 0.0;
     for (int c = 0; c < problem.count; ++c) {
-        const double mu = s.mu[static_cast<std::size_t>(c)], mu_r = s.mu_r[static_cast<std::size_t>(c)];
+        const double mu = s.mu[c], mu_r = s.mu_r[c];
         const Local pc = p.segment(c * L, L);
         Local y = pc - u.segment(c * L, L);
         y[0] -= mu * u.template segment<T>(c * L + 1).norm() + mu_r * u.template segment<T>(c * L + 1 + T).norm();

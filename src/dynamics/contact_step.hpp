@@ -92,7 +92,9 @@ public:
             }
         }
         impulse_.setZero(problem_.free_velocity.size());
+        if (h > 0.0) guess_from_last_step(h);
         const ContactSolverReport report = solve_contacts<Dim>(problem_, settings_, impulse_);
+        if (h > 0.0) remember(h);
         state.velocity = velocity + linear_.transpose() * impulse_ / body_.mass;
         state.spin = spin + response * (angular_.transpose() * impulse_);
         return report;
@@ -104,6 +106,32 @@ public:
     const Eigen::VectorXd& impulse() const { return impulse_; }
 
 private:
+    /// Contact forces of the last step, kept with the features that they acted on.
+    struct Memory {
+        ContactKey key;
+        typename Space<Dim>::Rotation frame;                  ///< contact frame [-]
+        Eigen::Matrix<double, kLocal, 1> force;               ///< impulse per time in that frame [N, N m]
+    };
+    void remember(double h) {
+        memory_.clear();
+        for (std::size_t c = 0; c < contacts_.size(); ++c)
+            memory_.push_back({contacts_[c].key, contact_frame(contacts_[c].normal), impulse_.template segment<kLocal>(static_cast<Eigen::Index>(c) * kLocal) / h});
+    }
+    /// Forces hardly change from step to step: a good first guess for the solver.
+    void guess_from_last_step(double h) {
+        for (std::size_t c = 0; c < contacts_.size(); ++c) {
+            for (const Memory& m : memory_) {
+                if (!same_pair(m.key, contacts_[c].key)) continue;
+                const auto frame = contact_frame(contacts_[c].normal);
+                auto guess = impulse_.template segment<kLocal>(static_cast<Eigen::Index>(c) * kLocal);
+                const Vec force = m.frame * m.force.template head<Dim>();
+                guess.template head<Dim>() = h * (frame.transpose() * force);
+                const Vec moment = m.frame.template rightCols<Dim - 1>() * m.force.template tail<Dim - 1>();
+                guess.template tail<Dim - 1>() = h * (frame.template rightCols<Dim - 1>().transpose() * moment);
+                break;
+            }
+        }
+    }
     static Vec3 moment_arm(const Vec3& arm, const Vec3& direction, const Mat3& rotation) { return rotation.transpose() * arm.cross(direction); }
     static Space<2>::Spin moment_arm(const Vec2& arm, const Vec2& direction, const Mat2&) {
         return Space<2>::Spin(arm.x() * direction.y() - arm.y() * direction.x());
@@ -123,6 +151,7 @@ private:
     Eigen::Matrix<double, Eigen::Dynamic, kSpin> turned_;
     ContactProblem<Dim> problem_;
     Eigen::VectorXd impulse_;
+    std::vector<Memory> memory_;
 };
 
 }  // namespace scree

@@ -8,7 +8,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <optional>
 #include <vector>
 
 namespace scree {
@@ -72,28 +71,25 @@ private:
     void fly() {
         State now = state_;
         double flown = 0.0;
+        double room = room_around(now);
         MotionSegment<Dim> motion = begin_segment(false);
         while (!finished_) {
-            const double dt = std::min(flight_interval(now), settings_.time_limit - time_ - flown);
+            double dt = std::min(flight_interval(now, room), settings_.time_limit - time_ - flown);
             State next = flown_state(now, dt);
             ++end_.counters.flight_evaluations;
-            double advance = dt;
-            bool landed = false;
-            if (finder_.clearance(next.position, rotation_matrix(next.orientation)) <= 0.0 && smallest_gap(next, found_) <= 0.0) {
-                landed = true;
-                const std::optional<double> at = closing_time(now, next, dt);
-                if (at) {
-                    advance = *at;
-                    next = flown_state(now, advance);
-                }
-                smallest_gap(next, found_);
+            room = room_around(next);
+            const bool landed = room <= 0.0;
+            if (landed) {
+                dt = closing_time(now, next, dt);
+                next = flown_state(now, dt);
+                find_contacts(next);
             }
             if (!finder_.over_terrain(next.position)) {
-                advance = rim_time(now, advance);
-                next = flown_state(now, advance);
+                dt = rim_time(now, dt);
+                next = flown_state(now, dt);
                 finish(StopReason::LeftTerrain);
             }
-            flown += advance;
+            flown += dt;
             now = next;
             motion.spin_end = std::max(motion.spin_end, now.spin.norm());
             if (time_ + flown >= settings_.time_limit) finish(StopReason::TimeLimit);
@@ -106,18 +102,27 @@ private:
         end_segment(motion, flown);
     }
 
-    /// Longest interval in which nothing can be missed: safe by the clearance and the fastest point of the block, at least a fraction of the block's
-    /// thickness, so that a crest cannot pass through it unseen.
-    double flight_interval(const State& s) {
-        const double fastest = s.velocity.norm() + s.spin.norm() * finder_.radius();
-        const double clearance = finder_.clearance(s.position, rotation_matrix(s.orientation));
-        const double smallest = std::min(settings_.flight_step, kUnseenShare * finder_.inner_radius() / std::max(fastest, 0.1));
-        if (!(clearance > 0.0)) return smallest;
-        // clearance = fastest t + g t^2 / 2; half a radius sideways stays over the same patch of terrain
-        const double g = settings_.gravity;
-        const double reach = std::min(clearance, 0.5 * finder_.radius());
-        const double safe = 2.0 * reach / (fastest + std::sqrt(fastest * fastest + 2.0 * g * reach));
-        return std::clamp(safe, smallest, 0.25);
+    double fastest_point(const State& s) const { return s.velocity.norm() + s.spin.norm() * finder_.radius(); }
+
+    /// How far the block is from touching: the cheap bound, or the smallest gap if that is near; not positive if it overlaps the terrain.
+    double room_around(const State& s) {
+        const auto rotation = rotation_matrix(s.orientation);
+        const double clearance = finder_.clearance(s.position, rotation);
+        if (clearance > 0.0) return std::min(clearance, 0.5 * finder_.radius());  // farther, another piece of terrain may come under the block
+        double room = kLookAhead * finder_.inner_radius();
+        finder_.detect(s.position, rotation, room, found_);
+        for (const auto& c : found_) room = std::min(room, c.gap);
+        return room;
+    }
+
+    /// Longest interval in which nothing can be missed: the room is not used up by the fastest point of the block (room = fastest t + g t^2 / 2), and at
+    /// least a fraction of the block's thickness, so that a crest cannot pass through it unseen.
+    double flight_interval(const State& s, double room) const {
+        const double fastest = std::max(fastest_point(s), 0.1);
+        const double least = std::min(settings_.flight_step, kUnseenShare * finder_.inner_radius() / fastest);
+        if (!(room > 0.0)) return least;
+        const double safe = 2.0 * room / (fastest + std::sqrt(fastest * fastest + 2.0 * settings_.gravity * room));
+        return std::clamp(safe, least, kLongestInterval);
     }
 
     State flown_state(const State& s, double dt) const {
@@ -128,23 +133,18 @@ private:
         return next;
     }
 
-    double smallest_gap(const State& s, std::vector<Contact<Dim>>& contacts) {
-        finder_.detect(s.position, rotation_matrix(s.orientation), settings_.release_gap, contacts);
-        double smallest = settings_.release_gap;
-        for (const auto& c : contacts) smallest = std::min(smallest, c.gap);
-        return smallest;
-    }
+    /// found_ becomes all contacts up to the release gap.
+    void find_contacts(const State& s) { finder_.detect(s.position, rotation_matrix(s.orientation), settings_.release_gap, found_); }
 
-    /// When, between `before` (open) and `after` (overlapping, dt later), the first gap closes to within the activation gap. Nothing if it was already
-    /// closed at the start.
-    std::optional<double> closing_time(const State& before, const State& after, double dt) {
+    /// When, between `before` (open) and `after` (overlapping, dt later), the first gap closes to within the activation gap. If the block overlaps already at
+    /// the start (a contact just left), a short while later.
+    double closing_time(const State& before, const State& after, double dt) {
         double low = 0.0, high = dt;
         double gap_low = wide_gap(before, dt), gap_high = wide_gap(after, dt);
         if (gap_low <= 0.0) return std::max(dt / 16.0, kShortestFlight);
         for (int k = 0; k < 40 && high - low > kShortestFlight; ++k) {
-            // secant in the first tries, then halving: the gap is continuous but for terrain that comes into reach
-            double t = low + (high - low) * gap_low / (gap_low - gap_high);
-            if (k % 3 == 2) t = 0.5 * (low + high);
+            // secant, every third time halving: the gap is continuous but for terrain that comes into reach
+            const double t = k % 3 == 2 ? 0.5 * (low + high) : low + (high - low) * gap_low / (gap_low - gap_high);
             const double gap = wide_gap(flown_state(before, t), dt);
             if (std::abs(gap) <= 0.5 * settings_.activation_gap) return t;
             (gap > 0.0 ? low : high) = t;
@@ -155,9 +155,8 @@ private:
 
     /// Smallest gap, looking as far as the block can move in dt.
     double wide_gap(const State& s, double dt) {
-        const double reach = 1e-3 + 2.0 * dt * (s.velocity.norm() + s.spin.norm() * finder_.radius());
-        finder_.detect(s.position, rotation_matrix(s.orientation), reach, found_);
-        double smallest = reach;
+        double smallest = 1e-3 + 2.0 * dt * fastest_point(s);
+        finder_.detect(s.position, rotation_matrix(s.orientation), smallest, found_);
         for (const auto& c : found_) smallest = std::min(smallest, c.gap);
         return smallest;
     }
@@ -255,7 +254,7 @@ private:
 
     /// Deepest overlap of contacts that were not closed during the step; found_ holds all contacts of the pose.
     double new_overlap(const State& s) {
-        finder_.detect(s.position, rotation_matrix(s.orientation), settings_.release_gap, found_);
+        find_contacts(s);
         double deepest = 0.0;
         for (const auto& c : found_) {
             if (-c.gap > deepest && !was_held(c)) deepest = -c.gap;
@@ -319,7 +318,7 @@ private:
     /// A block rests when it hardly moves and when, from rest, its weight would not move it; and this for the rest time. Turning about the normal of the
     /// contact that carries most of the weight is no motion in either sense: the law does not resist it, and the block gets nowhere by it.
     void look_for_rest(double h) {
-        if (closed_.empty() || state_.velocity.squaredNorm() > kTurningAllowance * settings_.gravity * settings_.rest_head || !rests_now()) {
+        if (closed_.empty() || !hardly_moves() || !in_equilibrium()) {
             still_ = 0.0;
             return;
         }
@@ -327,21 +326,27 @@ private:
         if (still_ >= settings_.rest_time) finish(StopReason::AtRest);
     }
 
-    bool rests_now() {
-        State from_rest = state_;
-        from_rest.velocity.setZero();
-        from_rest.spin.setZero();
+    /// With the turning about any one of the contacts taken out.
+    bool hardly_moves() const {
+        const double most = settings_.rest_head * body_.mass * settings_.gravity;
+        return std::any_of(closed_.begin(), closed_.end(), [&](const Contact<Dim>& c) {
+            State s = state_;
+            remove_turning(c, s);
+            return kinetic_energy(body_, s) <= most;
+        });
+    }
+
+    bool in_equilibrium() {
+        State s = state_;
+        s.velocity.setZero();
+        s.spin.setZero();
         step_.set_contacts(closed_, rotation_matrix(state_.orientation));
-        count(step_.solve(settings_.time_step, gravity_, RestitutionRule{}, from_rest));
+        count(step_.solve(settings_.time_step, gravity_, RestitutionRule{}, s));
         std::size_t main = 0;
         for (std::size_t c = 1; c < closed_.size(); ++c)
             if (step_.normal_impulse(c) > step_.normal_impulse(main)) main = c;
-        remove_turning(closed_[main], from_rest);
-        const double fastest = from_rest.velocity.norm() + from_rest.spin.norm() * finder_.radius();
-        if (fastest > kEquilibriumShare * settings_.gravity * settings_.time_step) return false;
-        State moving = state_;
-        remove_turning(closed_[main], moving);
-        return kinetic_energy(body_, moving) <= settings_.rest_head * body_.mass * settings_.gravity;
+        remove_turning(closed_[main], s);
+        return fastest_point(s) <= kEquilibriumShare * settings_.gravity * settings_.time_step;
     }
 
     /// Takes the turning about the contact's normal, through the contact point, out of the motion.
@@ -395,7 +400,7 @@ private:
     /// predicted pose, where the scheme takes its operators.
     bool forecast_contacts(const State& s, double h) {
         closed_.clear();
-        const double reach = h * (s.velocity.norm() + s.spin.norm() * finder_.radius());
+        const double reach = h * fastest_point(s);
         if (finder_.clearance(s.position, rotation_matrix(s.orientation)) > reach) return false;
         finder_.detect(s.position, rotation_matrix(s.orientation), reach, previous_);
         if (previous_.empty()) return false;
@@ -458,12 +463,13 @@ private:
     }
 
     static constexpr double kUnseenShare = 0.25;        ///< of the inner radius that the fastest point may cover unseen in flight [-]
+    static constexpr double kLookAhead = 0.5;           ///< of the inner radius up to which gaps are looked at in flight [-]
+    static constexpr double kLongestInterval = 0.25;    ///< between two looks at the terrain in flight [s]
     static constexpr double kShortestFlight = 1e-7;     ///< resolution of closing times [s]
     static constexpr double kEnergyTolerance = 1e-12;   ///< relative rise of energy in an impact that is rounding [-]
     static constexpr double kAllowedRise = 1e-6;        ///< height of fall by which the solver's tolerance may raise the energy of a step [m]
     static constexpr double kPenetrationSlop = 3e-4;    ///< overlap that is left alone [m]
     static constexpr double kSameNormal = 1e-6;         ///< 1 - cosine below which two facets hold a vertex alike [-]
-    static constexpr double kTurningAllowance = 1e4;    ///< times the energy of rest that turning may have before the costly test is tried [-]
     static constexpr double kEquilibriumShare = 1e-3;   ///< acceleration from rest, as a share of gravity, that counts as none [-]
     static constexpr int kImpactsInARow = 1000;         ///< impacts at one moment: beyond, something is wrong
     static constexpr std::int64_t kMostTurns = 50'000'000;

@@ -18,7 +18,7 @@ constexpr double kTipAngle = 1e-6;
 }  // namespace
 
 HullContacts::HullContacts(const ConvexBlock& block, const Surface& surface, bool vertices_only)
-    : block_(block), surface_(surface), vertices_only_(vertices_only), height_(block.vertex_count()) {}
+    : block_(block), surface_(surface), vertices_only_(vertices_only), height_(block.vertex_count()), face_value_(block.face_count()) {}
 
 void HullContacts::cover(const Vec3& position, double reach) {
     const double half = block_.radius + reach;
@@ -40,11 +40,15 @@ double HullContacts::clearance(const Vec3& position, const Mat3& rotation) {
     if (patch_.facets.empty()) return kInfinity;
     const double centre = patch_.plane_normal.dot(position) - patch_.plane_offset;
     if (centre > 2.0 * block_.radius) return centre - block_.radius;
+    measure_heights(position, rotation);
+    return lowest_;
+}
+
+void HullContacts::measure_heights(const Vec3& position, const Mat3& rotation) {
+    const double centre = patch_.plane_normal.dot(position) - patch_.plane_offset;
     const Vec3 n = rotation.transpose() * patch_.plane_normal;
-    double lowest = kInfinity;
-    for (std::size_t i = 0; i < block_.vertex_count(); ++i)
-        lowest = std::min(lowest, n.x() * block_.x[i] + n.y() * block_.y[i] + n.z() * block_.z[i]);
-    return centre + lowest;
+    height_ = n.x() * block_.x + n.y() * block_.y + n.z() * block_.z + centre;
+    lowest_ = height_.minCoeff();
 }
 
 void HullContacts::detect(const Vec3& position, const Mat3& rotation, double reach, std::vector<Contact<3>>& contacts) {
@@ -53,13 +57,8 @@ void HullContacts::detect(const Vec3& position, const Mat3& rotation, double rea
     if (patch_.facets.empty()) return;
     const double centre = patch_.plane_normal.dot(position) - patch_.plane_offset;
     if (centre - block_.radius > reach) return;
-    const Vec3 n = rotation.transpose() * patch_.plane_normal;
-    double lowest = kInfinity;
-    for (std::size_t i = 0; i < height_.size(); ++i) {
-        height_[i] = centre + n.x() * block_.x[i] + n.y() * block_.y[i] + n.z() * block_.z[i];
-        lowest = std::min(lowest, height_[i]);
-    }
-    if (lowest > reach) return;
+    measure_heights(position, rotation);
+    if (lowest_ > reach) return;
     add_vertex_contacts(position, rotation, reach, contacts);
     if (vertices_only_) return;
     add_tip_contacts(position, rotation, reach, contacts);
@@ -67,7 +66,7 @@ void HullContacts::detect(const Vec3& position, const Mat3& rotation, double rea
 }
 
 void HullContacts::add_vertex_contacts(const Vec3& position, const Mat3& rotation, double reach, std::vector<Contact<3>>& contacts) {
-    for (std::size_t i = 0; i < height_.size(); ++i) {
+    for (Eigen::Index i = 0; i < height_.size(); ++i) {
         if (height_[i] > reach) continue;
         Contact<3> contact;
         contact.arm = rotation * block_.vertex(i);
@@ -107,15 +106,11 @@ void HullContacts::add_other_facets(const Vec3& p, const PatchFacet& below, doub
     }
 }
 
-double HullContacts::outside(const Vec3& p_body, std::size_t& face) const {
-    double largest = -kInfinity;
-    for (std::size_t f = 0; f < block_.face_count(); ++f) {
-        const double value = block_.nx[f] * p_body.x() + block_.ny[f] * p_body.y() + block_.nz[f] * p_body.z() - block_.offset[f];
-        if (value > largest) {
-            largest = value;
-            face = f;
-        }
-    }
+double HullContacts::outside(const Vec3& p, Eigen::Index& face) const {
+    face_value_ = block_.nx * p.x() + block_.ny * p.y() + block_.nz * p.z() - block_.offset;
+    const double largest = face_value_.maxCoeff();
+    face = 0;
+    while (face_value_[face] != largest) ++face;
     return largest;
 }
 
@@ -125,9 +120,9 @@ void HullContacts::add_tip_contacts(const Vec3& position, const Mat3& rotation, 
     const double far = block_.radius + reach;
     for (const PatchNode& node : patch_.nodes) {
         const Vec3 arm = node.position - position;
-        if (arm.squaredNorm() > far * far) continue;
+        if (arm.squaredNorm() > far * far || below_block(node.position, reach)) continue;
         const Vec3 p = rotation.transpose() * arm;
-        std::size_t face = 0;
+        Eigen::Index face = 0;
         if (outside(p, face) > reach) continue;
         const auto spokes = std::span(patch_.spokes).subspan(static_cast<std::size_t>(node.first), static_cast<std::size_t>(node.count));
         Contact<3> contact;
@@ -156,14 +151,26 @@ void HullContacts::add_crest_contacts(const Vec3& position, const Mat3& rotation
         const Vec3 along = edge.b - edge.a;
         const Vec3 from_a = position - edge.a;
         const double foot = std::clamp(along.dot(from_a) / along.squaredNorm(), 0.0, 1.0);
-        if ((from_a - foot * along).squaredNorm() > far * far) continue;
+        if ((from_a - foot * along).squaredNorm() > far * far || (below_block(edge.a, reach) && below_block(edge.b, reach))) continue;
+        // the direction from the crest's nearest point to the centre separates the two if the block does not reach that far
+        const Vec3 to_crest = rotation.transpose() * (foot * along - from_a);
+        const double distance = to_crest.norm();
+        if (distance - (to_crest.x() * block_.x + to_crest.y() * block_.y + to_crest.z() * block_.z).maxCoeff() / distance > reach) continue;
         const CrestInBody crest{edge, rotation.transpose() * -from_a, rotation.transpose() * along};
 
         // minimise phi between a falling face (left) and a rising one (right), replacing one of them by the highest face where they meet
-        std::size_t left = 0, right = 0, top = 0;
+        Eigen::Index left = 0, right = 0, top = 0;
         outside(crest.a, left);
         outside(crest.a + crest.d, right);
-        if (slope(left, crest) >= 0.0 || slope(right, crest) <= 0.0) continue;  // least at an end: the tip there is what touches
+        // least at an end: the tip there touches, or the next crest; a face that lies almost flat across that end touches here with its other end
+        if (slope(left, crest) >= 0.0) {
+            add_far_end(crest, 0.0, left, +1.0, reach, rotation, contacts);
+            continue;
+        }
+        if (slope(right, crest) <= 0.0) {
+            add_far_end(crest, 1.0, right, -1.0, reach, rotation, contacts);
+            continue;
+        }
         double t = 0.0;
         for (int k = 0; k < 64; ++k) {
             t = (value(right, crest) - value(left, crest)) / (slope(left, crest) - slope(right, crest));
@@ -179,15 +186,15 @@ void HullContacts::add_crest_contacts(const Vec3& position, const Mat3& rotation
     }
 }
 
-double HullContacts::slope(std::size_t f, const CrestInBody& c) const {
+double HullContacts::slope(Eigen::Index f, const CrestInBody& c) const {
     return block_.nx[f] * c.d.x() + block_.ny[f] * c.d.y() + block_.nz[f] * c.d.z();
 }
-double HullContacts::value(std::size_t f, const CrestInBody& c) const {
+double HullContacts::value(Eigen::Index f, const CrestInBody& c) const {
     return block_.nx[f] * c.a.x() + block_.ny[f] * c.a.y() + block_.nz[f] * c.a.z() - block_.offset[f];
 }
 
 // It counts only if both terrain facets fall away from the plane through the crest with this normal.
-void HullContacts::add_crest_contact(const CrestInBody& crest, double t, const Vec3& outward, std::size_t face, std::size_t other_face, double reach,
+void HullContacts::add_crest_contact(const CrestInBody& crest, double t, const Vec3& outward, Eigen::Index face, Eigen::Index other_face, double reach,
                                      const Mat3& rotation, std::vector<Contact<3>>& contacts) const {
     const double length = outward.norm();
     if (length < 1e-9) return;
@@ -205,14 +212,14 @@ void HullContacts::add_crest_contact(const CrestInBody& crest, double t, const V
 }
 
 // From the deepest point the crest follows one face in the given direction up to the next face that rises above it.
-void HullContacts::add_far_end(const CrestInBody& crest, double t, std::size_t face, double direction, double reach, const Mat3& rotation,
+void HullContacts::add_far_end(const CrestInBody& crest, double t, Eigen::Index face, double direction, double reach, const Mat3& rotation,
                                std::vector<Contact<3>>& contacts) const {
     const double rise = slope(face, crest);
     const double room = direction > 0.0 ? 1.0 - t : t;
     if (value(face, crest) + t * rise + std::abs(rise) * std::min(room, 0.02) > reach) return;  // steep: the far end is out of reach
     double nearest = room;
-    std::size_t next = face;
-    for (std::size_t f = 0; f < block_.face_count(); ++f) {
+    Eigen::Index next = face;
+    for (Eigen::Index f = 0; f < block_.face_count(); ++f) {
         const double steeper = direction * (slope(f, crest) - rise);
         if (steeper <= 1e-12) continue;
         const double distance = (value(face, crest) + t * rise - value(f, crest) - t * slope(f, crest)) / steeper;

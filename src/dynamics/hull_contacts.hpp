@@ -42,22 +42,27 @@ private:
         Vec3 d;  ///< [m]
     };
     /// The plane distance of face f along the crest is value + t slope [m].
-    double value(std::size_t f, const CrestInBody& crest) const;
-    double slope(std::size_t f, const CrestInBody& crest) const;
-    void add_crest_contact(const CrestInBody& crest, double t, const Vec3& outward, std::size_t face, std::size_t other_face, double reach,
+    double value(Eigen::Index f, const CrestInBody& crest) const;
+    double slope(Eigen::Index f, const CrestInBody& crest) const;
+    void add_crest_contact(const CrestInBody& crest, double t, const Vec3& outward, Eigen::Index face, Eigen::Index other_face, double reach,
                            const Mat3& rotation, std::vector<Contact<3>>& contacts) const;
-    void add_far_end(const CrestInBody& crest, double t, std::size_t face, double direction, double reach, const Mat3& rotation,
+    void add_far_end(const CrestInBody& crest, double t, Eigen::Index face, double direction, double reach, const Mat3& rotation,
                      std::vector<Contact<3>>& contacts) const;
 
+    /// True if terrain at p lies so far below the patch plane that the block, which does not reach down there, cannot touch it.
+    bool below_block(const Vec3& p, double reach) const { return patch_.plane_normal.dot(p) - patch_.plane_offset < lowest_ - reach; }
     /// Largest of normal.p - offset over the faces; `face` is where.
-    double outside(const Vec3& p_body, std::size_t& face) const;
+    double outside(const Vec3& p_body, Eigen::Index& face) const;
+    void measure_heights(const Vec3& position, const Mat3& rotation);
 
     const ConvexBlock& block_;
     const Surface& surface_;
     bool vertices_only_;
     TerrainPatch patch_;
     bool covered_ = false;
-    std::vector<double> height_;  ///< of each vertex over the patch plane [m]
+    Eigen::ArrayXd height_;       ///< of each vertex over the patch plane [m]
+    mutable Eigen::ArrayXd face_value_;  ///< room for outside() [m]
+    double lowest_ = 0.0;         ///< the least of them [m]
 };
 
 }  // namespace scree

@@ -51,25 +51,32 @@ ConvexBlock block_from_hull(const ConvexHull& hull, double mass) {
     block.volume = properties.volume;
     block.inertia = mass / properties.volume * eigen.eigenvalues();
     block.facets = hull.facets;
-    std::vector<Vec3> body;
-    for (const Vec3& v : hull.vertices) {
-        const Vec3 b = axes.transpose() * (v - properties.centre);
-        body.push_back(b);
-        block.x.push_back(b.x());
-        block.y.push_back(b.y());
-        block.z.push_back(b.z());
+    const auto vertices = static_cast<Eigen::Index>(hull.vertices.size());
+    block.x.resize(vertices);
+    block.y.resize(vertices);
+    block.z.resize(vertices);
+    for (Eigen::Index i = 0; i < vertices; ++i) {
+        const Vec3 b = axes.transpose() * (hull.vertices[static_cast<std::size_t>(i)] - properties.centre);
+        block.x[i] = b.x();
+        block.y[i] = b.y();
+        block.z[i] = b.z();
         block.radius = std::max(block.radius, b.norm());
     }
-    block.inner_radius = kInfinity;
-    for (const auto& f : hull.facets) {
-        const Vec3& a = body[static_cast<std::size_t>(f[0])];
-        const Vec3 n = (body[static_cast<std::size_t>(f[1])] - a).cross(body[static_cast<std::size_t>(f[2])] - a).normalized();
-        block.nx.push_back(n.x());
-        block.ny.push_back(n.y());
-        block.nz.push_back(n.z());
-        block.offset.push_back(n.dot(a));
-        block.inner_radius = std::min(block.inner_radius, n.dot(a));
+    const auto faces = static_cast<Eigen::Index>(hull.facets.size());
+    block.nx.resize(faces);
+    block.ny.resize(faces);
+    block.nz.resize(faces);
+    block.offset.resize(faces);
+    for (Eigen::Index f = 0; f < faces; ++f) {
+        const auto& corners = hull.facets[static_cast<std::size_t>(f)];
+        const Vec3 a = block.vertex(corners[0]);
+        const Vec3 n = (block.vertex(corners[1]) - a).cross(block.vertex(corners[2]) - a).normalized();
+        block.nx[f] = n.x();
+        block.ny[f] = n.y();
+        block.nz[f] = n.z();
+        block.offset[f] = n.dot(a);
     }
+    block.inner_radius = block.offset.minCoeff();
     return block;
 }
 

@@ -51,6 +51,7 @@ ConvexHull convex_hull(const std::vector<Vec3>& points) {
         if (!p.allFinite()) throw InputError("a block shape has a point that is not finite: every coordinate must be a number");
         input.emplace_back(p.x(), p.y(), p.z());
     }
+    std::sort(input.begin(), input.end());  // how CGAL cuts a face of more than three corners depends on their order
     Mesh mesh;
     if (input.size() >= 4) CGAL::convex_hull_3(input.begin(), input.end(), mesh);
     if (mesh.number_of_faces() < 4 || mesh.number_of_vertices() < 4)

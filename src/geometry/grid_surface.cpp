@@ -125,8 +125,9 @@ void GridSurface::add_edge(std::pair<int, int> a, std::pair<int, int> b, std::pa
     e.b = node(b.first, b.second);
     e.beyond = {node(left.first, left.second), node(right.first, right.second)};
     if (!std::isfinite(e.a.z() + e.b.z() + e.beyond[0].z() + e.beyond[1].z())) return;  // a rim has no facet to fall away to
-    e.normal[0] = (e.b - e.a).cross(e.beyond[0] - e.a).normalized();
+    e.normal[0] = (e.b - e.a).cross(e.beyond[0] - e.a);
     if (!is_crest(e.normal[0], e.a, e.beyond[1])) return;
+    e.normal[0].normalize();
     e.normal[1] = (e.a - e.b).cross(e.beyond[1] - e.b).normalized();
     e.soil = {soil_[static_cast<std::size_t>(left_facet)], soil_[static_cast<std::size_t>(right_facet)]};
     e.id = id;
@@ -152,7 +153,7 @@ void GridSurface::gather_node(int i, int j, TerrainPatch& patch) const {
     int crests = 0;
     std::array<Vec3, 6> normal;
     for (std::size_t k = 0; k < 6; ++k) {
-        normal[k] = spoke[k].cross(spoke[(k + 1) % 6]).normalized();
+        normal[k] = spoke[k].cross(spoke[(k + 1) % 6]);
         crests += is_crest(normal[k], Vec3::Zero(), spoke[(k + 2) % 6]) ? 1 : 0;
     }
     if (crests < 3) return;
@@ -162,7 +163,7 @@ void GridSurface::gather_node(int i, int j, TerrainPatch& patch) const {
     n.count = 6;
     n.id = static_cast<std::int64_t>(shape.index(i, j));
     for (std::size_t k = 0; k < 6; ++k)
-        patch.spokes.push_back({spoke[k].normalized(), normal[k], soil_[static_cast<std::size_t>(facets[k])]});
+        patch.spokes.push_back({spoke[k].normalized(), normal[k].normalized(), soil_[static_cast<std::size_t>(facets[k])]});
     patch.nodes.push_back(n);
 }
 

@@ -24,10 +24,11 @@ inline PatchFacet make_patch_facet(const std::array<Vec3, 3>& c, SoilId soil, st
     return f;
 }
 
-/// True if the far corner of the other facet lies below the first facet's plane by more than the crest angle.
+/// True if the far corner of the other facet lies below the first facet's plane by more than the crest angle. The normal need not be unit.
 inline bool is_crest(const Vec3& normal, const Vec3& on_edge, const Vec3& beyond) {
     const Vec3 d = beyond - on_edge;
-    return normal.dot(d) < -kCrestAngle * d.norm();
+    const double height = normal.dot(d);
+    return height < 0.0 && height * height > kCrestAngle * kCrestAngle * d.squaredNorm() * normal.squaredNorm();
 }
 
 }  // namespace scree

@@ -33,9 +33,9 @@ MassProperties mass_properties(const ConvexHull& hull);
 /// A rigid convex body of given mass: its body frame has the origin in the centre of mass and the axes along the principal axes of
 /// inertia. Coordinates are kept as separate arrays (SoA), the layout that detection wants.
 struct ConvexBlock {
-    std::vector<double> x, y, z;          ///< vertices, body frame [m]
-    std::vector<double> nx, ny, nz;       ///< outward unit normals of the faces, body frame [-]
-    std::vector<double> offset;           ///< normal.p of each face [m]
+    Eigen::ArrayXd x, y, z;               ///< vertices, body frame [m]
+    Eigen::ArrayXd nx, ny, nz;            ///< outward unit normals of the faces, body frame [-]
+    Eigen::ArrayXd offset;                ///< normal.p of each face [m]
     std::vector<std::array<std::int32_t, 3>> facets;  ///< vertices of each face, counter-clockwise from outside [-]
     double mass = 0.0;                    ///< [kg]
     double volume = 0.0;                  ///< of the hull [m^3]
@@ -44,10 +44,10 @@ struct ConvexBlock {
     double radius = 0.0;                  ///< largest distance of a vertex from the centre of mass [m]
     double inner_radius = 0.0;            ///< smallest distance of a face from the centre of mass [m]
 
-    std::size_t vertex_count() const { return x.size(); }
-    std::size_t face_count() const { return nx.size(); }
-    Vec3 vertex(std::size_t i) const { return {x[i], y[i], z[i]}; }
-    Vec3 normal(std::size_t f) const { return {nx[f], ny[f], nz[f]}; }
+    Eigen::Index vertex_count() const { return x.size(); }
+    Eigen::Index face_count() const { return nx.size(); }
+    Vec3 vertex(Eigen::Index i) const { return {x[i], y[i], z[i]}; }
+    Vec3 normal(Eigen::Index f) const { return {nx[f], ny[f], nz[f]}; }
 };
 
 /// Shapes of DESIGN section 4. All fill the box L1 x L2 x L3 exactly.
