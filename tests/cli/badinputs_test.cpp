@@ -63,7 +63,7 @@ const AwkwardInput kInputs[] = {
     {"control", kAccept, kControlDtm, {}},
     {"r01_truncated", kRefuse, "raster/r01_truncated.tif", {"cannot be read", "incomplete"}},
     {"r03_html_login_page", kRefuse, "raster/r03_html_login_page.tif", {"HTML"}},
-    {"r05_nan_no_nodata_tag", kWarn, "raster/r05_nan_no_nodata_tag.tif", {"not a number", "holes"}},
+    {"r05_nan_no_nodata_tag", kWarn, "raster/r05_nan_no_nodata_tag.tif", {"NaN without a nodata tag", "holes"}},
     {"r07_int16_metres", kWarn, "raster/r07_int16_metres.tif", {"whole metres"}},
     {"r09_rotated_15deg", kRefuse, "raster/r09_rotated_15deg.tif", {"rotated by 15.00 degrees", "gdalwarp"}},
     {"r11_south_up", kAccept, "raster/r11_south_up.tif", {}},
@@ -90,7 +90,7 @@ const AwkwardInput kInputs[] = {
     {"v03_no_crs", kWarn, "vector/v03_release_no_crs.gpkg", {"no coordinate reference system"}},
     {"v05_empty_layer", kRefuse, "vector/v05_empty_layer.gpkg", {"empty"}},
     {"v07_polygon_zm", kAccept, "vector/v07_polygon_zm.gpkg", {}},
-    {"v09_partly_outside", kWarn, "vector/v09_partly_outside.gpkg", {"reach beyond the terrain", "off the terrain"}},
+    {"v09_partly_outside", kWarn, "vector/v09_partly_outside.gpkg", {"reaching beyond the terrain", "off the terrain"}},
     {"v11_unicode", kAccept, "vector/v11 Ablösefläche Süd 岩.gpkg", {}},
     {"v13_truncated", kRefuse, "vector/v13_truncated.gpkg", {"malformed"}},
     {"v15_lines", kAccept, "vector/v15_lines.gpkg", {}},  // lines release along their length
