@@ -2,7 +2,7 @@
 # Installs the Debian 12 packages that are missing to build, run and test Scree. Needs root or sudo only if some are.
 set -euo pipefail
 
-packages=(g++ cmake ninja-build ccache libeigen3-dev libtbb-dev librandom123-dev libcli11-dev libtomlplusplus-dev
+packages=(g++ cmake ninja-build ccache libeigen3-dev libtbb-dev libhwy-dev librandom123-dev libcli11-dev libtomlplusplus-dev
           libgdal-dev libproj-dev libsqlite3-dev libcgal-dev gdal-bin python3-gdal python3-numpy
           libgtest-dev libgmock-dev libbenchmark-dev)
 

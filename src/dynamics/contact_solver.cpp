@@ -6,6 +6,7 @@
 
 #include "scree/base/assert.hpp"
 
+#include <Eigen/Cholesky>
 #include <Eigen/LU>
 
 #include <algorithm>
@@ -53,8 +54,8 @@ struct Scaled {
 
     explicit Scaled(const ContactProblem<Dim>& problem) {
         const Eigen::Index n = problem.free_velocity.size();
-        W = problem.delassus;
-        q = problem.free_velocity;
+        W = Eigen::Map<const Matrix>(problem.delassus.data(), n, n);
+        q = Eigen::Map<const Vector>(problem.free_velocity.data(), n);
         scale.resize(n);
         mu = Eigen::Map<const PerContact>(problem.friction.data(), problem.count);
         mu_r = Eigen::Map<const PerContact>(problem.rolling.data(), problem.count);
@@ -125,6 +126,38 @@ double residual(const Scaled<Dim, N>& s, const typename Scaled<Dim, N>::Vector& 
     return F.norm();
 }
 
+/// x with A x = b by elimination with row pivoting; A and b are used up. Written out for sizes known to the compiler, where it beats the general
+/// factorisation by far.
+template <int N>
+Eigen::Matrix<double, N, 1> solve_linear(Eigen::Matrix<double, N, N>& A, Eigen::Matrix<double, N, 1> b) {
+    if constexpr (N == Dynamic) {
+        return A.partialPivLu().solve(b);
+    } else {
+        Eigen::Matrix<double, N, N, Eigen::RowMajor> rows = A;
+        for (int k = 0; k < N; ++k) {
+            int pivot = k;
+            for (int i = k + 1; i < N; ++i)
+                if (std::abs(rows(i, k)) > std::abs(rows(pivot, k))) pivot = i;
+            if (pivot != k) {
+                rows.row(k).swap(rows.row(pivot));
+                std::swap(b[k], b[pivot]);
+            }
+            const double inverse = 1.0 / rows(k, k);
+            for (int i = k + 1; i < N; ++i) {
+                const double factor = rows(i, k) * inverse;
+                if (factor == 0.0) continue;
+                for (int j = k + 1; j < N; ++j) rows(i, j) -= factor * rows(k, j);
+                b[i] -= factor * b[k];
+            }
+        }
+        for (int k = N - 1; k >= 0; --k) {
+            for (int j = k + 1; j < N; ++j) b[k] -= rows(k, j) * b[j];
+            b[k] /= rows(k, k);
+        }
+        return b;
+    }
+}
+
 /// Newton with backtracking. Returns the relative residual; p is the best point met.
 template <int Dim, int N>
 double newton(const Scaled<Dim, N>& s, double tolerance, int iterations, typename Scaled<Dim, N>::Vector& p, int& used) {
@@ -137,7 +170,7 @@ double newton(const Scaled<Dim, N>& s, double tolerance, int iterations, typenam
     int stalled = 0;
     for (int k = 0; k < iterations && norm > tolerance * s.norm_q; ++k, ++used) {
         J.diagonal().array() += kNewtonRegularisation;
-        const typename S::Vector step = J.partialPivLu().solve(-F);
+        const typename S::Vector step = solve_linear<N>(J, -F);
         if (!step.allFinite()) break;
         double length = 1.0;
         double trial_norm = 0.0;
@@ -236,16 +269,19 @@ Eigen::Matrix<double, kLocalSize<Dim>, 1> solve_one(const Scaled<Dim, kLocalSize
     using Local = Eigen::Matrix<double, kLocalSize<Dim>, 1>;
     achieved = 0.0;
     if (s.q[0] >= 0.0) return Local::Zero();
-    const Local stick = s.W.partialPivLu().solve(-s.q);
+    if (guess[0] > 0.0) {
+        Local p = guess;
+        achieved = newton<Dim, kLocalSize<Dim>>(s, tolerance, 4, p, newton_used);  // mostly one iteration away
+        if (achieved <= tolerance) return p;
+    }
+    const Local stick = s.W.llt().solve(-s.q);
+    achieved = 0.0;
     if (stick[0] > 0.0 && stick.template segment<T>(1).norm() <= s.mu[0] * stick[0] &&
         stick.template segment<T>(1 + T).norm() <= s.mu_r[0] * stick[0])
         return stick;
-    Local p = guess;
-    if (p[0] <= 0.0) {
-        // slide against the sticking impulse: the right side of every kink in most cases
-        p = stick;
-        p[0] = std::max(stick[0], -s.q[0] / s.W(0, 0));
-    }
+    // slide against the sticking impulse: the right side of every kink in most cases
+    Local p = stick.allFinite() ? stick : Local(Local::Zero());
+    p[0] = std::max(p[0], -s.q[0] / s.W(0, 0));
     achieved = newton<Dim, kLocalSize<Dim>>(s, tolerance, 30, p, newton_used);
     if (achieved <= tolerance) return p;
     const Local robust = solve_one_by_bisection<Dim>(s.W, s.q, s.mu[0], s.mu_r[0]);

@@ -17,6 +17,7 @@ namespace scree {
 /// `Contacts` finds what touches. It offers
 ///     detect(position, rotation, reach, contacts)   all contacts with gap <= reach
 ///     clearance(position, rotation)                 a cheap lower bound of every gap
+///     free_time(state, spin bound, gravity, gap)    how long nothing can touch in flight
 ///     over_terrain(position), radius(), inner_radius()
 ///
 /// Event mode, each turn of the loop:
@@ -67,63 +68,47 @@ private:
         }
     }
 
-    /// Free flight until a gap closes, the terrain ends or time is up.
+    /// Free flight until a gap closes, the terrain ends or time is up: by steps in which nothing can touch, which shrink to nothing as a gap closes.
     void fly() {
-        State now = state_;
-        double flown = 0.0;
-        double room = room_around(now);
+        State now = state_, before = state_;
+        double flown = 0.0, last = 0.0;
         MotionSegment<Dim> motion = begin_segment(false);
+        const double spin_bound = std::sqrt(2.0 * rotation_energy(body_, now.spin) / body_.moment.minCoeff());
         while (!finished_) {
-            double dt = std::min(flight_interval(now, room), settings_.time_limit - time_ - flown);
-            State next = flown_state(now, dt);
+            double gap = 0.0;
+            double dt = finder_.free_time(now, spin_bound, settings_.gravity, gap);
             ++end_.counters.flight_evaluations;
-            room = room_around(next);
-            const bool landed = room <= 0.0;
-            if (landed) {
-                dt = closing_time(now, next, dt);
-                next = flown_state(now, dt);
-                find_contacts(next);
+            if (gap < -settings_.activation_gap && last > kShortestFlight) {  // something that was not in sight
+                flown -= last;
+                last = closing_time(before, now, last);
+                now = flown_state(before, last);
+                flown += last;
+                gap = 0.0;
             }
+            if (gap <= kTouch || dt <= kShortestFlight) {
+                find_contacts(now);
+                close_contacts(settings_.activation_gap);
+                if (!closed_.empty()) break;
+            }
+            dt = std::min(std::max(dt, kShortestFlight), settings_.time_limit - time_ - flown);
+            State next = flown_state(now, dt);
             if (!finder_.over_terrain(next.position)) {
                 dt = rim_time(now, dt);
                 next = flown_state(now, dt);
                 finish(StopReason::LeftTerrain);
             }
-            flown += dt;
+            before = now;
+            last = dt;
             now = next;
+            flown += dt;
             motion.spin_end = std::max(motion.spin_end, now.spin.norm());
             if (time_ + flown >= settings_.time_limit) finish(StopReason::TimeLimit);
-            if (landed && !finished_) {
-                close_contacts(settings_.activation_gap);
-                if (!closed_.empty()) break;
-            }
         }
         state_ = now;
         end_segment(motion, flown);
     }
 
     double fastest_point(const State& s) const { return s.velocity.norm() + s.spin.norm() * finder_.radius(); }
-
-    /// How far the block is from touching: the cheap bound, or the smallest gap if that is near; not positive if it overlaps the terrain.
-    double room_around(const State& s) {
-        const auto rotation = rotation_matrix(s.orientation);
-        const double clearance = finder_.clearance(s.position, rotation);
-        if (clearance > 0.0) return std::min(clearance, 0.5 * finder_.radius());  // farther, another piece of terrain may come under the block
-        double room = kLookAhead * finder_.inner_radius();
-        finder_.detect(s.position, rotation, room, found_);
-        for (const auto& c : found_) room = std::min(room, c.gap);
-        return room;
-    }
-
-    /// Longest interval in which nothing can be missed: the room is not used up by the fastest point of the block (room = fastest t + g t^2 / 2), and at
-    /// least a fraction of the block's thickness, so that a crest cannot pass through it unseen.
-    double flight_interval(const State& s, double room) const {
-        const double fastest = std::max(fastest_point(s), 0.1);
-        const double least = std::min(settings_.flight_step, kUnseenShare * finder_.inner_radius() / fastest);
-        if (!(room > 0.0)) return least;
-        const double safe = 2.0 * room / (fastest + std::sqrt(fastest * fastest + 2.0 * settings_.gravity * room));
-        return std::clamp(safe, least, kLongestInterval);
-    }
 
     State flown_state(const State& s, double dt) const {
         State next = s;
@@ -136,8 +121,7 @@ private:
     /// found_ becomes all contacts up to the release gap.
     void find_contacts(const State& s) { finder_.detect(s.position, rotation_matrix(s.orientation), settings_.release_gap, found_); }
 
-    /// When, between `before` (open) and `after` (overlapping, dt later), the first gap closes to within the activation gap. If the block overlaps already at
-    /// the start (a contact just left), a short while later.
+    /// When, between `before` and `after` (overlapping, dt later), the first gap closes. If the block overlaps already at the start, a short while later.
     double closing_time(const State& before, const State& after, double dt) {
         double low = 0.0, high = dt;
         double gap_low = wide_gap(before, dt), gap_high = wide_gap(after, dt);
@@ -146,7 +130,7 @@ private:
             // secant, every third time halving: the gap is continuous but for terrain that comes into reach
             const double t = k % 3 == 2 ? 0.5 * (low + high) : low + (high - low) * gap_low / (gap_low - gap_high);
             const double gap = wide_gap(flown_state(before, t), dt);
-            if (std::abs(gap) <= 0.5 * settings_.activation_gap) return t;
+            if (std::abs(gap) <= kTouch) return t;
             (gap > 0.0 ? low : high) = t;
             (gap > 0.0 ? gap_low : gap_high) = gap;
         }
@@ -262,10 +246,15 @@ private:
         return deepest;
     }
 
-    /// Held: closed in this step with the same normal. A vertex that has slid onto another facet is a new contact.
+    /// Held: closed in this step at the same place, and either with the same normal or hardly deeper than before. A vertex that has slid onto a facet
+    /// that rises is a new contact; one that changes over to the next facet, or an edge to the next crest at a node, with the overlap it had, is not.
     bool was_held(const Contact<Dim>& c) const {
-        return std::any_of(closed_.begin(), closed_.end(),
-                           [&](const Contact<Dim>& p) { return same_pair(p.key, c.key) && p.normal.dot(c.normal) > 1.0 - kSameNormal; });
+        const double near = kSamePlace * finder_.radius();
+        return std::any_of(closed_.begin(), closed_.end(), [&](const Contact<Dim>& p) {
+            const bool same_normal = p.normal.dot(c.normal) > 1.0 - kSameNormal;
+            if (same_pair(p.key, c.key)) return same_normal || c.gap >= p.gap - settings_.activation_gap;
+            return (p.arm - c.arm).squaredNorm() <= near * near && c.gap >= p.gap - settings_.activation_gap;
+        });
     }
 
     /// Length of the step until the first new contact closes, on the path of the full step; not below a sixteenth of the time step.
@@ -462,14 +451,13 @@ private:
         if (++turns_ > kMostTurns) finish(StopReason::Failed);
     }
 
-    static constexpr double kUnseenShare = 0.25;        ///< of the inner radius that the fastest point may cover unseen in flight [-]
-    static constexpr double kLookAhead = 0.5;           ///< of the inner radius up to which gaps are looked at in flight [-]
-    static constexpr double kLongestInterval = 0.25;    ///< between two looks at the terrain in flight [s]
+    static constexpr double kTouch = 1e-6;              ///< gap at which a flight has landed [m]
     static constexpr double kShortestFlight = 1e-7;     ///< resolution of closing times [s]
     static constexpr double kEnergyTolerance = 1e-12;   ///< relative rise of energy in an impact that is rounding [-]
     static constexpr double kAllowedRise = 1e-6;        ///< height of fall by which the solver's tolerance may raise the energy of a step [m]
     static constexpr double kPenetrationSlop = 3e-4;    ///< overlap that is left alone [m]
     static constexpr double kSameNormal = 1e-6;         ///< 1 - cosine below which two facets hold a vertex alike [-]
+    static constexpr double kSamePlace = 0.02;          ///< of the radius: contacts closer than this are at one place [-]
     static constexpr double kEquilibriumShare = 1e-3;   ///< acceleration from rest, as a share of gravity, that counts as none [-]
     static constexpr int kImpactsInARow = 1000;         ///< impacts at one moment: beyond, something is wrong
     static constexpr std::int64_t kMostTurns = 50'000'000;

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "dynamics/hull_contacts.hpp"
 
+#include "geometry/hull_kernels.hpp"
+
 #include <algorithm>
 #include <cmath>
 
@@ -12,13 +14,39 @@ namespace {
 constexpr double kValleyMargin = 1e-3;
 /// Normals closer than this are one plane: no second contact at the seam of coplanar facets (1 - cosine) [-].
 constexpr double kSamePlane = 1e-12;
+/// How far a contact normal may lie outside the normals of a crest's facets [rad]. The overlap that is left alone, 0.3 mm over a few decimetres, leaves
+/// the block's tilt as uncertain: without slack a block that lies on an almost flat crest would lose and find its contacts for ever.
+constexpr double kConeSlack = 2e-3;
+/// Directions between the facets of a crest that are tried for a cut corner [-].
+constexpr int kCornerSamples = 8;
+/// Share of a distance that counts as room to move in: leaves rounding behind [-].
+constexpr double kOdometerShare = 1.0 - 1e-9;
 /// How far below the contact plane the terrain around a tip must fall, sine of the angle [-].
 constexpr double kTipAngle = 1e-6;
+
+/// Longest flight between two looks at the terrain [s].
+constexpr double kLongestFlight = 0.25;
+/// Farthest and nearest that the plane ahead is laid [s].
+constexpr double kFarHorizon = 0.5, kNearHorizon = 0.02;
+/// A flight time over the plane that is shorter than this makes it worth looking at the features [s].
+constexpr double kNearTime = 2e-3;
+/// How far features are looked for: what the fastest point of the block covers in this time [s], and a share of the block's thickness at most [-].
+constexpr double kLookTime = 0.01, kLookShare = 0.5;
+/// Where terrain has holes or ends, share of the radius that is flown at most between two looks [-].
+constexpr double kRimShare = 0.25;
+/// Acceleration of a point of a freely turning body is at most |Omega|^2 r + |dOmega/dt| r, and Euler's equations with |I_i - I_j| <= I_k give
+/// |dOmega/dt| <= |Omega|^2 / sqrt(3) [-].
+constexpr double kTurningBound = 1.57735026918962576;
+
+/// When gap + rate t - acceleration/2 t^2 reaches zero [s]; gap positive.
+double arrival(double gap, double rate, double acceleration) {
+    return 2.0 * gap / (std::sqrt(rate * rate + 2.0 * acceleration * gap) - rate);
+}
 
 }  // namespace
 
 HullContacts::HullContacts(const ConvexBlock& block, const Surface& surface, bool vertices_only)
-    : block_(block), surface_(surface), vertices_only_(vertices_only), height_(block.vertex_count()), face_value_(block.face_count()) {}
+    : block_(block), surface_(surface), vertices_only_(vertices_only), height_(block.x.size()), face_value_(block.nx.size()), face_slope_(block.nx.size()) {}
 
 void HullContacts::cover(const Vec3& position, double reach) {
     const double half = block_.radius + reach;
@@ -28,45 +56,163 @@ void HullContacts::cover(const Vec3& position, double reach) {
     // half a block more on each side: enough for many steps, little to copy
     surface_.gather(needed.grown(std::max(0.5 * block_.radius, 0.1)), patch_);
     covered_ = true;
+    node_free_until_.assign(patch_.nodes.size(), -kInfinity);
+    edge_free_until_.assign(patch_.edges.size(), -kInfinity);
+    node_height_.clear();
+    edge_height_.clear();
+    for (const PatchNode& n : patch_.nodes) node_height_.push_back(patch_.plane.height(n.position));
+    for (const PatchEdge& e : patch_.edges) edge_height_.push_back(std::max(patch_.plane.height(e.a), patch_.plane.height(e.b)));
 }
 
 bool HullContacts::over_terrain(const Vec3& position) {
-    cover(position, 0.0);
-    return patch_.facet_at(position.head<2>()) != nullptr;
+    const Vec2 plan = position.head<2>();
+    if (ahead_.whole && ahead_box_.contains(plan)) return true;
+    if (covered_ && patch_.box.contains(plan)) return patch_.facet_at(plan) != nullptr;
+    return surface_.facet_at(plan) >= 0;
 }
 
 double HullContacts::clearance(const Vec3& position, const Mat3& rotation) {
     cover(position, 0.0);
     if (patch_.facets.empty()) return kInfinity;
-    const double centre = patch_.plane_normal.dot(position) - patch_.plane_offset;
+    const double centre = patch_.plane.height(position);
     if (centre > 2.0 * block_.radius) return centre - block_.radius;
-    measure_heights(position, rotation);
+    measure_heights(position, rotation, patch_.plane);
     return lowest_;
 }
 
-void HullContacts::measure_heights(const Vec3& position, const Mat3& rotation) {
-    const double centre = patch_.plane_normal.dot(position) - patch_.plane_offset;
-    const Vec3 n = rotation.transpose() * patch_.plane_normal;
-    height_ = n.x() * block_.x + n.y() * block_.y + n.z() * block_.z + centre;
-    lowest_ = height_.minCoeff();
+// ---- flight ------------------------------------------------------------------------------------------------------------------------
+
+double HullContacts::free_time(const BlockState<3>& s, double spin_bound, double gravity, double& gap) {
+    gap = kInfinity;
+    const Mat3 rotation = s.orientation.toRotationMatrix();
+    const Flight flight{s.velocity, rotation * s.spin, spin_bound, kTurningBound * spin_bound * spin_bound * block_.radius,
+                        s.velocity.norm() + s.spin.norm() * block_.radius, gravity};
+    const double over_plane = time_over_plane(s.position, rotation, flight);
+    if (over_plane > kNearTime) return over_plane;
+    return std::max(over_plane, time_to_features(s.position, rotation, flight, gap));
+}
+
+/// Lays a plane over the terrain that the block's outline crosses up to the horizon.
+void HullContacts::look_ahead(const Vec3& position, const Vec3& velocity) {
+    const Vec2 from = position.head<2>(), to = from + horizon_ * velocity.head<2>();
+    Box2 box{from, from};
+    box.add(to);
+    ahead_box_ = box.grown(block_.radius + 1e-3);
+    ahead_ = surface_.supporting_plane(ahead_box_);
+}
+
+double HullContacts::time_over_plane(const Vec3& position, const Mat3& rotation, const Flight& flight) {
+    auto time_in_box = [&] {
+        double t = kLongestFlight;
+        for (int k = 0; k < 2; ++k) {
+            const double v = flight.velocity[k];
+            const double room = v > 0.0 ? ahead_box_.max[k] - block_.radius - position[k] : position[k] - block_.radius - ahead_box_.min[k];
+            const double behind = v > 0.0 ? position[k] - block_.radius - ahead_box_.min[k] : ahead_box_.max[k] - block_.radius - position[k];
+            if (!(room >= 0.0 && behind >= 0.0)) return -1.0;
+            t = std::min(t, room / std::max(std::abs(v), 1e-9));
+        }
+        return t;
+    };
+    double inside = time_in_box();
+    if (inside < 0.5 * kNearHorizon) {
+        look_ahead(position, flight.velocity);
+        inside = time_in_box();
+    }
+    if (!ahead_.whole) inside = std::min(inside, kRimShare * block_.radius / std::max(flight.fastest, 0.1));
+    const double centre = ahead_.height(position);
+    const double rate = ahead_.normal.dot(flight.velocity);
+    const double fall = flight.gravity * ahead_.normal.z();
+    double time = 0.0;
+    if (centre > block_.radius) time = std::isinf(centre) ? inside : arrival(centre - block_.radius, rate, fall);
+    if (time < inside) {
+        measure_heights(position, rotation, ahead_);
+        if (lowest_ > 0.0)
+            time = std::max(time, soonest_arrival(block_, height_.data(), rotation.transpose() * ahead_.normal.cross(flight.spin), rate, fall + flight.turning));
+    }
+    if (time < 0.5 * inside && horizon_ > kNearHorizon) {
+        horizon_ *= 0.5;  // over rough or curved ground a near plane lies closer
+        ahead_box_ = {};
+    } else if (time >= inside) {
+        horizon_ = std::min(2.0 * horizon_, kFarHorizon);
+    }
+    return std::min(time, inside);
+}
+
+double HullContacts::time_to_features(const Vec3& position, const Mat3& rotation, const Flight& flight, double& gap) {
+    const double reach = std::clamp(kLookTime * flight.fastest, 0.02 * block_.inner_radius, kLookShare * block_.inner_radius);
+    detect(position, rotation, reach, near_);
+    double time = arrival(reach, -flight.fastest, flight.gravity);  // what is not listed
+    for (const Contact<3>& c : near_) {
+        gap = std::min(gap, c.gap);
+        if (c.gap <= 0.0) return 0.0;
+        double t = arrival(c.gap, -flight.fastest, flight.gravity + flight.turning);
+        if (c.key.pair == FeaturePair::VertexOnFacet) {
+            t = std::max(t, time_of_vertex(position + c.arm, c, flight));
+        } else {
+            // the terrain at a crest or tip lies below the plane through it that the contact's normal stands on, and the block above it
+            const double offset = c.normal.dot(position + c.arm);
+            measure_heights(position, rotation, {c.normal, offset, true});
+            if (lowest_ > 0.0)
+                t = std::max(t, soonest_arrival(block_, height_.data(), rotation.transpose() * c.normal.cross(flight.spin), c.normal.dot(flight.velocity),
+                                                flight.gravity + flight.turning));
+        }
+        time = std::min(time, t);
+    }
+    if (!patch_.plane.whole) time = std::min(time, kRimShare * block_.radius / std::max(flight.fastest, 0.1));
+    return std::min(time, kLongestFlight);
+}
+
+// The height of a vertex above the surface shrinks at a rate that depends on the facet below; all facets that it may get over count.
+double HullContacts::time_of_vertex(const Vec3& p, const Contact<3>& contact, const Flight& flight) const {
+    const Vec3 u = flight.velocity_at(contact.arm);
+    const double height = contact.gap / contact.normal.z();
+    auto time_over = [&](const Vec3& n) { return arrival(height, n.dot(u) / n.z(), flight.gravity + flight.turning / n.z()); };
+    double time = time_over(contact.normal);
+    const Vec2 plan = p.head<2>();
+    Box2 swept{plan, plan};
+    swept.add(plan + time * u.head<2>());
+    swept = swept.grown(0.5 * flight.turning * time * time);
+    const Vec2 low = ((swept.min - patch_.bin_origin) / patch_.bin_size).array().floor(), high = ((swept.max - patch_.bin_origin) / patch_.bin_size).array().floor();
+    for (int j = std::max(0, static_cast<int>(low.y())); j <= std::min(patch_.bin_rows - 1, static_cast<int>(high.y())); ++j) {
+        for (int i = std::max(0, static_cast<int>(low.x())); i <= std::min(patch_.bin_columns - 1, static_cast<int>(high.x())); ++i) {
+            for (const std::int32_t f : patch_.facets_in_bin(i, j)) {
+                const Vec3& n = patch_.facets[static_cast<std::size_t>(f)].normal;
+                if (n.dot(u) * contact.normal.z() < contact.normal.dot(u) * n.z()) time = std::min(time, time_over(n));
+            }
+        }
+    }
+    return time;
+}
+
+// ---- contacts ----------------------------------------------------------------------------------------------------------------------
+
+void HullContacts::measure_heights(const Vec3& position, const Mat3& rotation, const SupportingPlane& plane) {
+    lowest_ = plane_heights(block_, rotation.transpose() * plane.normal, plane.height(position), height_.data());
 }
 
 void HullContacts::detect(const Vec3& position, const Mat3& rotation, double reach, std::vector<Contact<3>>& contacts) {
     contacts.clear();
     cover(position, reach);
     if (patch_.facets.empty()) return;
-    const double centre = patch_.plane_normal.dot(position) - patch_.plane_offset;
-    if (centre - block_.radius > reach) return;
-    measure_heights(position, rotation);
+    if (patch_.plane.height(position) - block_.radius > reach) return;
+    measure_heights(position, rotation, patch_.plane);
     if (lowest_ > reach) return;
     add_vertex_contacts(position, rotation, reach, contacts);
     if (vertices_only_) return;
+    advance_odometer(position, rotation);
     add_tip_contacts(position, rotation, reach, contacts);
     add_crest_contacts(position, rotation, reach, contacts);
 }
 
+// No point of the body moves farther than the centre of mass plus radius times the norm of the change of rotation.
+void HullContacts::advance_odometer(const Vec3& position, const Mat3& rotation) {
+    odometer_ += (position - last_position_).norm() + block_.radius * (rotation - last_rotation_).norm();
+    last_position_ = position;
+    last_rotation_ = rotation;
+}
+
 void HullContacts::add_vertex_contacts(const Vec3& position, const Mat3& rotation, double reach, std::vector<Contact<3>>& contacts) {
-    for (Eigen::Index i = 0; i < height_.size(); ++i) {
+    for (Eigen::Index i = 0; i < block_.vertex_count(); ++i) {
         if (height_[i] > reach) continue;
         Contact<3> contact;
         contact.arm = rotation * block_.vertex(i);
@@ -106,24 +252,27 @@ void HullContacts::add_other_facets(const Vec3& p, const PatchFacet& below, doub
     }
 }
 
-double HullContacts::outside(const Vec3& p, Eigen::Index& face) const {
-    face_value_ = block_.nx * p.x() + block_.ny * p.y() + block_.nz * p.z() - block_.offset;
-    const double largest = face_value_.maxCoeff();
-    face = 0;
-    while (face_value_[face] != largest) ++face;
-    return largest;
-}
-
 // A tip touches the face that it is least deep in, if the terrain around it falls away from that face's plane on all sides; else a crest or a vertex
 // touches nearer.
 void HullContacts::add_tip_contacts(const Vec3& position, const Mat3& rotation, double reach, std::vector<Contact<3>>& contacts) {
     const double far = block_.radius + reach;
-    for (const PatchNode& node : patch_.nodes) {
+    for (std::size_t k = 0; k < patch_.nodes.size(); ++k) {
+        if (node_height_[k] < lowest_ - reach) continue;         // the block does not reach down there
+        if (odometer_ + reach < node_free_until_[k]) continue;  // it was farther away than the block has moved since
+        const PatchNode& node = patch_.nodes[k];
         const Vec3 arm = node.position - position;
-        if (arm.squaredNorm() > far * far || below_block(node.position, reach)) continue;
+        const double distance = arm.norm();
+        if (distance > far) {
+            node_free_until_[k] = odometer_ + (distance - block_.radius) * kOdometerShare;
+            continue;
+        }
         const Vec3 p = rotation.transpose() * arm;
         Eigen::Index face = 0;
-        if (outside(p, face) > reach) continue;
+        const double outside = farthest_face(block_, p, face);
+        if (outside > reach) {
+            node_free_until_[k] = odometer_ + outside * kOdometerShare;
+            continue;
+        }
         const auto spokes = std::span(patch_.spokes).subspan(static_cast<std::size_t>(node.first), static_cast<std::size_t>(node.count));
         Contact<3> contact;
         contact.gap = block_.normal(face).dot(p) - block_.offset[face];
@@ -147,87 +296,140 @@ void HullContacts::add_tip_contacts(const Vec3& position, const Mat3& rotation, 
 // is perpendicular to the crest is the direction of contact. Where a face lies almost flat on the crest, the other end of the face touches too.
 void HullContacts::add_crest_contacts(const Vec3& position, const Mat3& rotation, double reach, std::vector<Contact<3>>& contacts) {
     const double far = block_.radius + reach;
-    for (const PatchEdge& edge : patch_.edges) {
+    for (std::size_t k = 0; k < patch_.edges.size(); ++k) {
+        if (edge_height_[k] < lowest_ - reach) continue;        // as above
+        if (odometer_ + reach < edge_free_until_[k]) continue;
+        const PatchEdge& edge = patch_.edges[k];
         const Vec3 along = edge.b - edge.a;
         const Vec3 from_a = position - edge.a;
         const double foot = std::clamp(along.dot(from_a) / along.squaredNorm(), 0.0, 1.0);
-        if ((from_a - foot * along).squaredNorm() > far * far || (below_block(edge.a, reach) && below_block(edge.b, reach))) continue;
         // the direction from the crest's nearest point to the centre separates the two if the block does not reach that far
-        const Vec3 to_crest = rotation.transpose() * (foot * along - from_a);
+        const Vec3 to_crest = foot * along - from_a;
         const double distance = to_crest.norm();
-        if (distance - (to_crest.x() * block_.x + to_crest.y() * block_.y + to_crest.z() * block_.z).maxCoeff() / distance > reach) continue;
+        const double room = distance > far ? distance - block_.radius : distance - support(block_, rotation.transpose() * to_crest) / distance;
+        if (room > reach) {
+            edge_free_until_[k] = odometer_ + room * kOdometerShare;
+            continue;
+        }
         const CrestInBody crest{edge, rotation.transpose() * -from_a, rotation.transpose() * along};
 
         // minimise phi between a falling face (left) and a rising one (right), replacing one of them by the highest face where they meet
+        face_lines(block_, crest.a, crest.d, face_value_.data(), face_slope_.data());
         Eigen::Index left = 0, right = 0, top = 0;
-        outside(crest.a, left);
-        outside(crest.a + crest.d, right);
+        farthest_on_line(block_, face_value_.data(), face_slope_.data(), 0.0, left);
+        farthest_on_line(block_, face_value_.data(), face_slope_.data(), 1.0, right);
         // least at an end: the tip there touches, or the next crest; a face that lies almost flat across that end touches here with its other end
-        if (slope(left, crest) >= 0.0) {
+        if (face_slope_[left] >= 0.0) {
             add_far_end(crest, 0.0, left, +1.0, reach, rotation, contacts);
             continue;
         }
-        if (slope(right, crest) <= 0.0) {
+        if (face_slope_[right] <= 0.0) {
             add_far_end(crest, 1.0, right, -1.0, reach, rotation, contacts);
             continue;
         }
         double t = 0.0;
-        for (int k = 0; k < 64; ++k) {
-            t = (value(right, crest) - value(left, crest)) / (slope(left, crest) - slope(right, crest));
-            const double phi = outside(crest.a + t * crest.d, top);
-            const double bound = value(left, crest) + t * slope(left, crest);  // from below, for the minimum
+        for (int turn = 0; turn < 64; ++turn) {
+            t = (face_value_[right] - face_value_[left]) / (face_slope_[left] - face_slope_[right]);
+            const double phi = farthest_on_line(block_, face_value_.data(), face_slope_.data(), t, top);
+            const double bound = face_value_[left] + t * face_slope_[left];  // from below, for the minimum
             if (bound > reach || top == left || top == right || phi <= bound + 1e-14) break;
-            (slope(top, crest) < 0.0 ? left : right) = top;
+            (face_slope_[top] < 0.0 ? left : right) = top;
         }
-        const double share = -slope(right, crest) / (slope(left, crest) - slope(right, crest));  // of left: the sum is perpendicular to the crest
-        add_crest_contact(crest, t, share * block_.normal(left) + (1.0 - share) * block_.normal(right), left, right, reach, rotation, contacts);
+        const double share = -face_slope_[right] / (face_slope_[left] - face_slope_[right]);  // of left: the sum is perpendicular to the crest
+        const Vec3 outward = share * block_.normal(left) + (1.0 - share) * block_.normal(right);
+        if (!add_crest_contact(crest, t, outward, left, right, reach, rotation, contacts) && face_value_[left] + t * face_slope_[left] < 0.0)
+            add_cut_corner(edge, position, rotation, contacts);
         add_far_end(crest, t, right, +1.0, reach, rotation, contacts);
         add_far_end(crest, t, left, -1.0, reach, rotation, contacts);
     }
 }
 
-double HullContacts::slope(Eigen::Index f, const CrestInBody& c) const {
-    return block_.nx[f] * c.d.x() + block_.ny[f] * c.d.y() + block_.nz[f] * c.d.z();
-}
-double HullContacts::value(Eigen::Index f, const CrestInBody& c) const {
-    return block_.nx[f] * c.a.x() + block_.ny[f] * c.a.y() + block_.nz[f] * c.a.z() - block_.offset[f];
+/// True if a facet of the crest does not fall away from the plane with this normal, but for the slack.
+static bool falls_short(const Vec3& normal, const PatchEdge& edge, std::size_t side) {
+    const Vec3 away = edge.beyond[side] - edge.a;
+    const double rise = normal.dot(away);
+    return rise > 0.0 && rise * rise > kConeSlack * kConeSlack * away.squaredNorm();
 }
 
-// It counts only if both terrain facets fall away from the plane through the crest with this normal.
-void HullContacts::add_crest_contact(const CrestInBody& crest, double t, const Vec3& outward, Eigen::Index face, Eigen::Index other_face, double reach,
+// It counts only if both terrain facets fall away from the plane through the crest with this normal; false if they do not.
+bool HullContacts::add_crest_contact(const CrestInBody& crest, double t, const Vec3& outward, Eigen::Index face, Eigen::Index other_face, double reach,
                                      const Mat3& rotation, std::vector<Contact<3>>& contacts) const {
     const double length = outward.norm();
-    if (length < 1e-9) return;
+    if (length < 1e-9) return true;
     Contact<3> contact;
-    contact.gap = (value(face, crest) + t * slope(face, crest)) / length;
-    if (contact.gap > reach || contact.gap < -block_.inner_radius) return;
+    contact.gap = (face_value_[face] + t * face_slope_[face]) / length;
+    if (contact.gap > reach || contact.gap < -block_.inner_radius) return true;
     contact.normal = rotation * (-outward / length);
     const PatchEdge& edge = crest.edge;
-    if (contact.normal.dot(edge.beyond[0] - edge.a) >= 0.0 || contact.normal.dot(edge.beyond[1] - edge.a) >= 0.0) return;
+    if (falls_short(contact.normal, edge, 0) || falls_short(contact.normal, edge, 1)) return false;
     contact.arm = rotation * (crest.a + t * crest.d);
     contact.soil = edge.soil[contact.normal.dot(edge.normal[0]) >= contact.normal.dot(edge.normal[1]) ? 0 : 1];
     const auto [low, high] = std::minmax(face, other_face);
     contact.key = {FeaturePair::EdgeOnEdge, static_cast<std::int64_t>(low * block_.face_count() + high), edge.id};
+    contacts.push_back(contact);
+    return true;
+}
+
+// A crest that has cut into a corner of the block may be nearest to faces that it did not come through. What the terrain can push along are the
+// directions between the normals of the crest's facets: the contact is the one among them in which the overlap is least. At either end of the range a
+// vertex touches a facet, which is found as such.
+void HullContacts::add_cut_corner(const PatchEdge& edge, const Vec3& position, const Mat3& rotation, std::vector<Contact<3>>& contacts) {
+    auto direction = [&](double s) -> Vec3 { return ((1.0 - s) * edge.normal[0] + s * edge.normal[1]).normalized(); };
+    auto separation = [&](double s) {
+        const Vec3 n = direction(s);
+        return n.dot(position - edge.a) - support(block_, rotation.transpose() * -n);
+    };
+    double best = 0.0, most = -kInfinity;
+    for (int k = 0; k <= kCornerSamples; ++k) {
+        const double s = static_cast<double>(k) / kCornerSamples;
+        const double room = separation(s);
+        if (room > most) {
+            most = room;
+            best = s;
+        }
+    }
+    double low = best - 1.0 / kCornerSamples, high = best + 1.0 / kCornerSamples;
+    if (low < 0.0 || high > 1.0) return;
+    for (int k = 0; k < 24; ++k) {
+        const double a = low + (high - low) / 3.0, b = high - (high - low) / 3.0;
+        (separation(a) < separation(b) ? low : high) = separation(a) < separation(b) ? a : b;
+    }
+    // the vertices that are lowest on either side of the best direction: their edge crosses the crest
+    Vec3 end[2];
+    std::int64_t number[2];
+    for (int side = 0; side < 2; ++side) {
+        const Vec3 n = rotation.transpose() * direction(side == 0 ? low : high);
+        Eigen::Index lowest = 0;
+        (n.x() * block_.x + n.y() * block_.y + n.z() * block_.z).head(block_.vertex_count()).minCoeff(&lowest);
+        end[side] = rotation * block_.vertex(lowest);
+        number[side] = lowest;
+    }
+    Contact<3> contact;
+    contact.normal = direction(0.5 * (low + high));
+    const Vec3 along = edge.b - edge.a;
+    const Vec3 across = contact.normal.cross(along);
+    const double before = across.dot(position + end[0] - edge.a), after = across.dot(position + end[1] - edge.a);
+    if (!(before * after < 0.0)) return;
+    contact.arm = end[0] + before / (before - after) * (end[1] - end[0]);
+    const double t = along.dot(position + contact.arm - edge.a) / along.squaredNorm();
+    if (t < 0.0 || t > 1.0) return;
+    contact.gap = contact.normal.dot(position + contact.arm - edge.a);
+    if (contact.gap > 0.0 || contact.gap < -block_.inner_radius) return;
+    contact.soil = edge.soil[low + high < 1.0 ? 0 : 1];
+    const auto [first, second] = std::minmax(number[0], number[1]);
+    const std::int64_t faces = block_.face_count();
+    contact.key = {FeaturePair::EdgeOnEdge, faces * faces + first * block_.vertex_count() + second, edge.id};
     contacts.push_back(contact);
 }
 
 // From the deepest point the crest follows one face in the given direction up to the next face that rises above it.
 void HullContacts::add_far_end(const CrestInBody& crest, double t, Eigen::Index face, double direction, double reach, const Mat3& rotation,
                                std::vector<Contact<3>>& contacts) const {
-    const double rise = slope(face, crest);
+    const double rise = face_slope_[face];
     const double room = direction > 0.0 ? 1.0 - t : t;
-    if (value(face, crest) + t * rise + std::abs(rise) * std::min(room, 0.02) > reach) return;  // steep: the far end is out of reach
-    double nearest = room;
+    if (face_value_[face] + t * rise + std::abs(rise) * std::min(room, 0.02) > reach) return;  // steep: the far end is out of reach
     Eigen::Index next = face;
-    for (Eigen::Index f = 0; f < block_.face_count(); ++f) {
-        const double steeper = direction * (slope(f, crest) - rise);
-        if (steeper <= 1e-12) continue;
-        const double distance = (value(face, crest) + t * rise - value(f, crest) - t * slope(f, crest)) / steeper;
-        if (distance >= 1e-9 && distance < nearest) {
-            nearest = distance;
-            next = f;
-        }
-    }
+    const double nearest = next_on_line(block_, face_value_.data(), face_slope_.data(), t, face, direction, room, next);
     if (next == face) return;  // the face reaches beyond the crest's end: the tip there touches
     const Vec3 unit = crest.d.normalized();
     const Vec3 normal = block_.normal(face);

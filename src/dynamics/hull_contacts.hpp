@@ -2,6 +2,7 @@
 #pragma once
 
 #include "scree/dynamics/contact.hpp"
+#include "scree/dynamics/state.hpp"
 #include "scree/geometry/convex_block.hpp"
 #include "scree/geometry/surface.hpp"
 
@@ -23,6 +24,11 @@ public:
     /// Lower bound of every gap [m]: distance of the block from a plane that the terrain around it does not reach; cheap.
     double clearance(const Vec3& position, const Mat3& rotation);
 
+    /// How long the block can fly from this state before anything may touch [s], at most kLongestFlight; `gap` is the smallest gap seen, infinite if
+    /// the block is far enough not to look. Every point of the block is taken to move towards the terrain with its velocity of now and the largest
+    /// acceleration that torque-free flight with a spin of at most `spin_bound` [rad/s] allows; bounds of second order make the steps long.
+    double free_time(const BlockState<3>& s, double spin_bound, double gravity, double& gap);
+
     /// False if there is no terrain below the centre of mass: outside the DTM or over a hole.
     bool over_terrain(const Vec3& position);
 
@@ -30,6 +36,21 @@ public:
     double inner_radius() const { return block_.inner_radius; }
 
 private:
+    /// Velocity of the body's points in flight and how much it can change.
+    struct Flight {
+        Vec3 velocity;        ///< of the centre of mass [m/s]
+        Vec3 spin;            ///< local frame [rad/s]
+        double spin_bound;    ///< largest spin during the flight [rad/s]
+        double turning;       ///< largest acceleration of a point relative to the centre of mass [m/s^2]
+        double fastest;       ///< largest speed of a point now [m/s]
+        double gravity;       ///< [m/s^2]
+        Vec3 velocity_at(const Vec3& arm) const { return velocity + spin.cross(arm); }
+    };
+    double time_over_plane(const Vec3& position, const Mat3& rotation, const Flight& flight);
+    double time_to_features(const Vec3& position, const Mat3& rotation, const Flight& flight, double& gap);
+    double time_of_vertex(const Vec3& p, const Contact<3>& contact, const Flight& flight) const;
+    void look_ahead(const Vec3& position, const Vec3& velocity);
+
     void cover(const Vec3& position, double reach);
     void add_vertex_contacts(const Vec3& position, const Mat3& rotation, double reach, std::vector<Contact<3>>& contacts);
     void add_other_facets(const Vec3& p, const PatchFacet& below, double reach, Contact<3> contact, std::vector<Contact<3>>& contacts) const;
@@ -41,28 +62,35 @@ private:
         Vec3 a;  ///< [m]
         Vec3 d;  ///< [m]
     };
-    /// The plane distance of face f along the crest is value + t slope [m].
-    double value(Eigen::Index f, const CrestInBody& crest) const;
-    double slope(Eigen::Index f, const CrestInBody& crest) const;
-    void add_crest_contact(const CrestInBody& crest, double t, const Vec3& outward, Eigen::Index face, Eigen::Index other_face, double reach,
+    bool add_crest_contact(const CrestInBody& crest, double t, const Vec3& outward, Eigen::Index face, Eigen::Index other_face, double reach,
                            const Mat3& rotation, std::vector<Contact<3>>& contacts) const;
+    void add_cut_corner(const PatchEdge& edge, const Vec3& position, const Mat3& rotation, std::vector<Contact<3>>& contacts);
     void add_far_end(const CrestInBody& crest, double t, Eigen::Index face, double direction, double reach, const Mat3& rotation,
                      std::vector<Contact<3>>& contacts) const;
 
-    /// True if terrain at p lies so far below the patch plane that the block, which does not reach down there, cannot touch it.
-    bool below_block(const Vec3& p, double reach) const { return patch_.plane_normal.dot(p) - patch_.plane_offset < lowest_ - reach; }
-    /// Largest of normal.p - offset over the faces; `face` is where.
-    double outside(const Vec3& p_body, Eigen::Index& face) const;
-    void measure_heights(const Vec3& position, const Mat3& rotation);
+    void advance_odometer(const Vec3& position, const Mat3& rotation);
+    void measure_heights(const Vec3& position, const Mat3& rotation, const SupportingPlane& plane);
 
     const ConvexBlock& block_;
     const Surface& surface_;
     bool vertices_only_;
     TerrainPatch patch_;
     bool covered_ = false;
-    Eigen::ArrayXd height_;       ///< of each vertex over the patch plane [m]
-    mutable Eigen::ArrayXd face_value_;  ///< room for outside() [m]
-    double lowest_ = 0.0;         ///< the least of them [m]
+    std::vector<double> node_height_;  ///< of each tip of the patch over its plane: zero or less [m]
+    std::vector<double> edge_height_;  ///< of the higher end of each crest [m]
+    double odometer_ = 0.0;            ///< how far any point of the body can have moved since the start, from look to look [m]
+    Vec3 last_position_ = Vec3::Zero();     ///< at the last look [m]
+    Mat3 last_rotation_ = Mat3::Identity();
+    std::vector<double> node_free_until_;   ///< a tip is out of reach while odometer + reach is less [m]
+    std::vector<double> edge_free_until_;   ///< same for crests [m]
+    SupportingPlane ahead_;            ///< over the terrain that the flight crosses next
+    Box2 ahead_box_;                   ///< where it holds; empty: nowhere
+    double horizon_ = 0.1;             ///< how far ahead it is laid [s]
+    std::vector<Contact<3>> near_;     ///< room for free_time
+    Eigen::ArrayXd height_;            ///< of each vertex over the plane last measured from [m]
+    double lowest_ = 0.0;              ///< the least of them [m]
+    Eigen::ArrayXd face_value_;        ///< plane distance of each face along the crest at hand: value + t slope [m]
+    Eigen::ArrayXd face_slope_;        ///< [m]
 };
 
 }  // namespace scree

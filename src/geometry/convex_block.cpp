@@ -40,6 +40,12 @@ MassProperties mass_properties(const ConvexHull& hull) {
 
 namespace {
 
+/// Makes room for `count` entries and the filling of the last group.
+void resize_filled(Eigen::ArrayXd& array, Eigen::Index count) {
+    array.resize((count + ConvexBlock::kLanes - 1) / ConvexBlock::kLanes * ConvexBlock::kLanes);
+}
+void fill(Eigen::ArrayXd& array, Eigen::Index count) { array.tail(array.size() - count).setConstant(array[count - 1]); }
+
 ConvexBlock block_from_hull(const ConvexHull& hull, double mass) {
     const MassProperties properties = mass_properties(hull);
     Eigen::SelfAdjointEigenSolver<Mat3> eigen(properties.inertia);
@@ -52,9 +58,8 @@ ConvexBlock block_from_hull(const ConvexHull& hull, double mass) {
     block.inertia = mass / properties.volume * eigen.eigenvalues();
     block.facets = hull.facets;
     const auto vertices = static_cast<Eigen::Index>(hull.vertices.size());
-    block.x.resize(vertices);
-    block.y.resize(vertices);
-    block.z.resize(vertices);
+    block.vertices = vertices;
+    for (Eigen::ArrayXd* a : {&block.x, &block.y, &block.z}) resize_filled(*a, vertices);
     for (Eigen::Index i = 0; i < vertices; ++i) {
         const Vec3 b = axes.transpose() * (hull.vertices[static_cast<std::size_t>(i)] - properties.centre);
         block.x[i] = b.x();
@@ -62,11 +67,9 @@ ConvexBlock block_from_hull(const ConvexHull& hull, double mass) {
         block.z[i] = b.z();
         block.radius = std::max(block.radius, b.norm());
     }
+    for (Eigen::ArrayXd* a : {&block.x, &block.y, &block.z}) fill(*a, vertices);
     const auto faces = static_cast<Eigen::Index>(hull.facets.size());
-    block.nx.resize(faces);
-    block.ny.resize(faces);
-    block.nz.resize(faces);
-    block.offset.resize(faces);
+    for (Eigen::ArrayXd* a : {&block.nx, &block.ny, &block.nz, &block.offset}) resize_filled(*a, faces);
     for (Eigen::Index f = 0; f < faces; ++f) {
         const auto& corners = hull.facets[static_cast<std::size_t>(f)];
         const Vec3 a = block.vertex(corners[0]);
@@ -76,6 +79,7 @@ ConvexBlock block_from_hull(const ConvexHull& hull, double mass) {
         block.nz[f] = n.z();
         block.offset[f] = n.dot(a);
     }
+    for (Eigen::ArrayXd* a : {&block.nx, &block.ny, &block.nz, &block.offset}) fill(*a, faces);
     block.inner_radius = block.offset.minCoeff();
     return block;
 }

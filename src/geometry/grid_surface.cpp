@@ -44,8 +44,16 @@ public:
     }
 
     void gather(const Box2& box, TerrainPatch& patch) const override;
+    SupportingPlane supporting_plane(const Box2& box) const override { return plane_over(nodes_around(box)); }
 
 private:
+    /// Nodes [i0, i1] x [j0, j1] whose cells hold the box, cut at the rim.
+    struct NodeRange {
+        int i0, j0, i1, j1;
+        bool whole;  ///< nothing was cut
+    };
+    NodeRange nodes_around(const Box2& box) const;
+    SupportingPlane plane_over(const NodeRange& nodes) const;
     Vec2 node2(int i, int j) const { return heights_.shape.centre(i, j); }
     Vec3 node(int i, int j) const {
         const Vec2 p = node2(i, j);
@@ -66,23 +74,58 @@ private:
     std::vector<SoilId> soil_;
 };
 
+GridSurface::NodeRange GridSurface::nodes_around(const Box2& box) const {
+    const GridShape& shape = heights_.shape;
+    const Vec2 first = node2(0, 0);
+    const double i0 = std::floor((box.min.x() - first.x()) / shape.cell), i1 = std::ceil((box.max.x() - first.x()) / shape.cell);
+    const double j0 = std::floor((box.min.y() - first.y()) / shape.cell), j1 = std::ceil((box.max.y() - first.y()) / shape.cell);
+    const double columns = shape.columns - 1, rows = shape.rows - 1;
+    return {static_cast<int>(std::clamp(i0, 0.0, columns)), static_cast<int>(std::clamp(j0, 0.0, rows)), static_cast<int>(std::clamp(i1, 0.0, columns)),
+            static_cast<int>(std::clamp(j1, 0.0, rows)), i0 >= 0.0 && j0 >= 0.0 && i1 <= columns && j1 <= rows};
+}
+
+SupportingPlane GridSurface::plane_over(const NodeRange& nodes) const {
+    const double cell = heights_.shape.cell;
+    SupportingPlane plane;
+    plane.whole = nodes.whole;
+    double east = 0.0, north = 0.0;  // sums of height differences between neighbours
+    int east_count = 0, north_count = 0;
+    for (int j = nodes.j0; j <= nodes.j1; ++j) {
+        for (int i = nodes.i0; i <= nodes.i1; ++i) {
+            const double z = heights_.at(i, j);
+            if (std::isnan(z)) {
+                plane.whole = false;
+                continue;
+            }
+            if (i < nodes.i1 && !std::isnan(heights_.at(i + 1, j))) {
+                east += heights_.at(i + 1, j) - z;
+                ++east_count;
+            }
+            if (j < nodes.j1 && !std::isnan(heights_.at(i, j + 1))) {
+                north += heights_.at(i, j + 1) - z;
+                ++north_count;
+            }
+        }
+    }
+    plane.normal = Vec3(east_count > 0 ? -east / (east_count * cell) : 0.0, north_count > 0 ? -north / (north_count * cell) : 0.0, 1.0).normalized();
+    for (int j = nodes.j0; j <= nodes.j1; ++j)
+        for (int i = nodes.i0; i <= nodes.i1; ++i)
+            if (!std::isnan(heights_.at(i, j))) plane.offset = std::max(plane.offset, plane.normal.dot(node(i, j)));
+    return plane;
+}
+
 void GridSurface::gather(const Box2& box, TerrainPatch& patch) const {
     patch.clear();
     patch.box = box;
-    const GridShape& shape = heights_.shape;
-    const Vec2 first = node2(0, 0);
-    const int i0 = static_cast<int>(std::clamp(std::floor((box.min.x() - first.x()) / shape.cell), 0.0, double(shape.columns - 1)));
-    const int j0 = static_cast<int>(std::clamp(std::floor((box.min.y() - first.y()) / shape.cell), 0.0, double(shape.rows - 1)));
-    const int i1 = static_cast<int>(std::clamp(std::ceil((box.max.x() - first.x()) / shape.cell), 0.0, double(shape.columns - 1)));
-    const int j1 = static_cast<int>(std::clamp(std::ceil((box.max.y() - first.y()) / shape.cell), 0.0, double(shape.rows - 1)));
-
-    patch.bin_origin = node2(i0, j0);
-    patch.bin_size = shape.cell;
-    patch.bin_columns = i1 - i0;
-    patch.bin_rows = j1 - j0;
+    const NodeRange nodes = nodes_around(box);
+    patch.plane = plane_over(nodes);
+    patch.bin_origin = node2(nodes.i0, nodes.j0);
+    patch.bin_size = heights_.shape.cell;
+    patch.bin_columns = nodes.i1 - nodes.i0;
+    patch.bin_rows = nodes.j1 - nodes.j0;
     patch.bin_start.push_back(0);
-    for (int j = j0; j < j1; ++j) {
-        for (int i = i0; i < i1; ++i) {
+    for (int j = nodes.j0; j < nodes.j1; ++j) {
+        for (int i = nodes.i0; i < nodes.i1; ++i) {
             for (std::int64_t f = facet_number(i, j); f < facet_number(i, j) + 2; ++f) {
                 std::array<Vec3, 3> corners;
                 SoilId soil = 0;
@@ -93,17 +136,12 @@ void GridSurface::gather(const Box2& box, TerrainPatch& patch) const {
             patch.bin_start.push_back(static_cast<std::int32_t>(patch.bin_facets.size()));
         }
     }
-
-    std::vector<Vec3> corners;
-    corners.reserve(static_cast<std::size_t>((i1 - i0 + 1) * (j1 - j0 + 1)));
-    for (int j = j0; j <= j1; ++j) {
-        for (int i = i0; i <= i1; ++i) {
-            if (std::isfinite(heights_.at(i, j))) corners.push_back(node(i, j));
+    for (int j = nodes.j0; j <= nodes.j1; ++j) {
+        for (int i = nodes.i0; i <= nodes.i1; ++i) {
             gather_edges(i, j, patch);
             gather_node(i, j, patch);
         }
     }
-    patch.finish(corners);
 }
 
 // The three edges that start at node (i, j): east, north, and the diagonal from (i, j+1) to (i+1, j).
@@ -120,11 +158,12 @@ void GridSurface::gather_edges(int i, int j, TerrainPatch& patch) const {
 
 void GridSurface::add_edge(std::pair<int, int> a, std::pair<int, int> b, std::pair<int, int> left, std::pair<int, int> right,
                            std::int64_t left_facet, std::int64_t right_facet, std::int64_t id, TerrainPatch& patch) const {
+    // The edge is a diagonal of a parallelogram of nodes: it is convex only if its ends lie above the other two. A rim has no facet to fall away to.
+    if (!(heights_.at(a.first, a.second) + heights_.at(b.first, b.second) > heights_.at(left.first, left.second) + heights_.at(right.first, right.second))) return;
     PatchEdge e;
     e.a = node(a.first, a.second);
     e.b = node(b.first, b.second);
     e.beyond = {node(left.first, left.second), node(right.first, right.second)};
-    if (!std::isfinite(e.a.z() + e.b.z() + e.beyond[0].z() + e.beyond[1].z())) return;  // a rim has no facet to fall away to
     e.normal[0] = (e.b - e.a).cross(e.beyond[0] - e.a);
     if (!is_crest(e.normal[0], e.a, e.beyond[1])) return;
     e.normal[0].normalize();
@@ -142,16 +181,17 @@ void GridSurface::gather_node(int i, int j, TerrainPatch& patch) const {
     const std::array<std::pair<int, int>, 6> ring{{{i + 1, j}, {i, j + 1}, {i - 1, j + 1}, {i - 1, j}, {i, j - 1}, {i + 1, j - 1}}};
     const std::array<std::int64_t, 6> facets{facet_number(i, j),         facet_number(i - 1, j) + 1, facet_number(i - 1, j),
                                              facet_number(i - 1, j - 1) + 1, facet_number(i, j - 1),     facet_number(i, j - 1) + 1};
-    const Vec3 centre = node(i, j);
-    std::array<Vec3, 6> spoke;
-    double finite = centre.z();
-    for (std::size_t k = 0; k < 6; ++k) {
-        spoke[k] = node(ring[k].first, ring[k].second) - centre;
-        finite += spoke[k].z();
-    }
-    if (!std::isfinite(finite)) return;
+    std::array<double, 6> z{};
+    for (std::size_t k = 0; k < 6; ++k) z[k] = heights_.at(ring[k].first, ring[k].second);
+    const double top = heights_.at(i, j);
+    auto convex = [&](std::size_t k) { return top + z[k] > z[(k + 1) % 6] + z[(k + 5) % 6]; };
     int crests = 0;
-    std::array<Vec3, 6> normal;
+    for (std::size_t k = 0; k < 6; ++k) crests += convex(k) ? 1 : 0;
+    if (crests < 3 || !std::isfinite(top + z[0] + z[1] + z[2] + z[3] + z[4] + z[5])) return;
+    const Vec3 centre = node(i, j);
+    std::array<Vec3, 6> spoke, normal;
+    for (std::size_t k = 0; k < 6; ++k) spoke[k] = node(ring[k].first, ring[k].second) - centre;
+    crests = 0;
     for (std::size_t k = 0; k < 6; ++k) {
         normal[k] = spoke[k].cross(spoke[(k + 1) % 6]);
         crests += is_crest(normal[k], Vec3::Zero(), spoke[(k + 2) % 6]) ? 1 : 0;

@@ -18,6 +18,34 @@ struct Crest {
     std::array<std::int32_t, 2> facet;
 };
 
+/// Area of a triangle within the box, in plan view: Sutherland-Hodgman clipping on the four sides [m^2].
+double area_in_box(const std::array<Vec3, 3>& corners, const Box2& box) {
+    std::array<Vec2, 8> shape, cut;
+    std::size_t count = 3;
+    for (std::size_t k = 0; k < 3; ++k) shape[k] = corners[k].head<2>();
+    for (int side = 0; side < 4; ++side) {
+        const int axis = side % 2;
+        const double sign = side < 2 ? 1.0 : -1.0;
+        const double limit = side < 2 ? box.max[axis] : box.min[axis];
+        std::size_t kept = 0;
+        for (std::size_t k = 0; k < count; ++k) {
+            const Vec2 &a = shape[k], &b = shape[(k + 1) % count];
+            const double inside_a = sign * (limit - a[axis]), inside_b = sign * (limit - b[axis]);
+            if (inside_a >= 0.0) cut[kept++] = a;
+            if ((inside_a > 0.0 && inside_b < 0.0) || (inside_a < 0.0 && inside_b > 0.0)) cut[kept++] = a + inside_a / (inside_a - inside_b) * (b - a);
+        }
+        shape = cut;
+        count = kept;
+        if (count < 3) return 0.0;
+    }
+    double twice = 0.0;
+    for (std::size_t k = 0; k < count; ++k) {
+        const Vec2 &a = shape[k], &b = shape[(k + 1) % count];
+        twice += a.x() * b.y() - a.y() * b.x();
+    }
+    return 0.5 * twice;
+}
+
 class MeshSurface final : public Surface {
 public:
     explicit MeshSurface(TriangleMesh mesh);
@@ -31,8 +59,12 @@ public:
     }
     std::int64_t facet_at(const Vec2& p) const override;
     void gather(const Box2& box, TerrainPatch& patch) const override;
+    SupportingPlane supporting_plane(const Box2& box) const override { return plane_over(facets_around(box), box); }
 
 private:
+    /// Facets of all bins that the box touches, each once, by number.
+    std::vector<std::int32_t> facets_around(const Box2& box) const;
+    SupportingPlane plane_over(const std::vector<std::int32_t>& facets, const Box2& box) const;
     std::array<Vec3, 3> corners(std::int64_t f) const {
         const auto& t = mesh_.facets[static_cast<std::size_t>(f)];
         return {vertex(t[0]), vertex(t[1]), vertex(t[2])};
@@ -190,9 +222,7 @@ std::int64_t MeshSurface::facet_at(const Vec2& p) const {
     return best;
 }
 
-void MeshSurface::gather(const Box2& box, TerrainPatch& patch) const {
-    patch.clear();
-    patch.box = box;
+std::vector<std::int32_t> MeshSurface::facets_around(const Box2& box) const {
     const auto [i0, j0, i1, j1] = bin_range(box);
     std::vector<std::int32_t> found;
     for (int j = j0; j <= j1; ++j) {
@@ -202,13 +232,36 @@ void MeshSurface::gather(const Box2& box, TerrainPatch& patch) const {
     }
     std::sort(found.begin(), found.end());
     found.erase(std::unique(found.begin(), found.end()), found.end());
+    return found;
+}
 
-    std::vector<Vec3> all_corners;
+// Whether the box is covered: the plan areas of the facets, cut to the box, add up to its own.
+SupportingPlane MeshSurface::plane_over(const std::vector<std::int32_t>& facets, const Box2& box) const {
+    SupportingPlane plane;
+    Vec3 sum = Vec3::Zero();
+    double covered = 0.0;
+    for (const std::int32_t f : facets) {
+        const auto c = corners(f);
+        sum += (c[1] - c[0]).cross(c[2] - c[0]);
+        covered += area_in_box(c, box);
+    }
+    const double area = (box.max.x() - box.min.x()) * (box.max.y() - box.min.y());
+    plane.whole = covered >= area * (1.0 - 1e-9);
+    if (sum.z() > 0.0) plane.normal = sum.normalized();
+    for (const std::int32_t f : facets)
+        for (const std::int32_t v : mesh_.facets[static_cast<std::size_t>(f)]) plane.offset = std::max(plane.offset, plane.normal.dot(vertex(v)));
+    return plane;
+}
+
+void MeshSurface::gather(const Box2& box, TerrainPatch& patch) const {
+    patch.clear();
+    patch.box = box;
+    const auto [i0, j0, i1, j1] = bin_range(box);
+    const std::vector<std::int32_t> found = facets_around(box);
+    patch.plane = plane_over(found, box);
     std::vector<std::int32_t> crests, vertices;
     for (const std::int32_t f : found) {
-        const auto c = corners(f);
-        patch.facets.push_back(make_patch_facet(c, mesh_.soil[static_cast<std::size_t>(f)], f));
-        all_corners.insert(all_corners.end(), c.begin(), c.end());
+        patch.facets.push_back(make_patch_facet(corners(f), mesh_.soil[static_cast<std::size_t>(f)], f));
         for (const std::int32_t crest : facet_crests_[static_cast<std::size_t>(f)])
             if (crest >= 0) crests.push_back(crest);
         for (const std::int32_t v : mesh_.facets[static_cast<std::size_t>(f)])
@@ -233,7 +286,6 @@ void MeshSurface::gather(const Box2& box, TerrainPatch& patch) const {
             patch.bin_start.push_back(static_cast<std::int32_t>(patch.bin_facets.size()));
         }
     }
-    patch.finish(all_corners);
 }
 
 void MeshSurface::gather_crests(std::vector<std::int32_t>& crests, TerrainPatch& patch) const {

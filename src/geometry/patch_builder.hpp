@@ -16,7 +16,7 @@ inline PatchFacet make_patch_facet(const std::array<Vec3, 3>& c, SoilId soil, st
         const Vec3& a = c[k];
         const Vec3& b = c[(k + 1) % 3];
         const double dx = b.x() - a.x(), dy = b.y() - a.y();
-        const double length = std::hypot(dx, dy);
+        const double length = std::sqrt(dx * dx + dy * dy);
         f.side[k] = Vec3(-dy, dx, dy * a.x() - dx * a.y()) / length;
     }
     f.id = static_cast<std::int32_t>(id);

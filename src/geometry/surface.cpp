@@ -20,10 +20,7 @@ std::span<const std::int32_t> TerrainPatch::facets_near(const Vec2& p) const {
     const double column = std::floor((p.x() - bin_origin.x()) / bin_size);
     const double row = std::floor((p.y() - bin_origin.y()) / bin_size);
     if (!(column >= 0.0 && row >= 0.0 && column < bin_columns && row < bin_rows)) return {};
-    const auto bin = static_cast<std::size_t>(row) * static_cast<std::size_t>(bin_columns) + static_cast<std::size_t>(column);
-    const auto first = static_cast<std::size_t>(bin_start[bin]);
-    const auto last = static_cast<std::size_t>(bin_start[bin + 1]);
-    return std::span(bin_facets).subspan(first, last - first);
+    return facets_in_bin(static_cast<int>(column), static_cast<int>(row));
 }
 
 const PatchFacet* TerrainPatch::facet_at(const Vec2& p) const {
@@ -38,14 +35,6 @@ const PatchFacet* TerrainPatch::facet_at(const Vec2& p) const {
         }
     }
     return best;
-}
-
-void TerrainPatch::finish(std::span<const Vec3> corners) {
-    Vec3 sum = Vec3::Zero();
-    for (const PatchFacet& f : facets) sum += f.normal;
-    plane_normal = facets.empty() ? Vec3::UnitZ() : Vec3(sum.normalized());
-    plane_offset = -kInfinity;
-    for (const Vec3& c : corners) plane_offset = std::max(plane_offset, plane_normal.dot(c));
 }
 
 double Surface::height(const Vec2& p) const {

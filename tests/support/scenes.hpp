@@ -104,6 +104,11 @@ public:
         if (c.gap <= reach) contacts.push_back(c);
     }
     double clearance(const Vec3& position, const Mat3&) const { return normal_.dot(position) - radius_; }
+    double free_time(const BlockState<3>& s, double, double gravity, double& gap) const {
+        gap = clearance(s.position, Mat3::Identity());
+        const double rate = normal_.dot(s.velocity), fall = gravity * normal_.z();
+        return gap > 0.0 ? 2.0 * gap / (std::sqrt(rate * rate + 2.0 * fall * gap) - rate) : 0.0;
+    }
     bool over_terrain(const Vec3&) const { return true; }
     double radius() const { return radius_; }
     double inner_radius() const { return radius_; }

@@ -2,6 +2,7 @@
 #include "dynamics/hull_contacts.hpp"
 
 #include "scree/base/random.hpp"
+#include "scree/base/units.hpp"
 #include "support/scenes.hpp"
 #include "support/terrains.hpp"
 
@@ -16,6 +17,7 @@ namespace scree::test {
 namespace {
 
 constexpr double kRounding = 1e-12;  ///< [m]
+constexpr double kConeSlack = 6e-3;  ///< 2e-3 along the way to a corner of the facet, more across the crest [rad]
 
 /// An octahedron with its lowest vertex at (0, 0, -0.3).
 FramedBlock diamond() {
@@ -182,8 +184,9 @@ TEST(HullContacts, NormalsLieInTheDihedralCone) {
                 const PatchEdge& e = *edges.at(c.key.terrain);
                 const Vec3 along = (e.b - e.a).normalized();
                 EXPECT_NEAR(c.normal.dot(along), 0.0, 1e-9);
-                EXPECT_GE(c.normal.dot(e.normal[0]), e.normal[1].dot(e.normal[0]) - 1e-9);
-                EXPECT_GE(c.normal.dot(e.normal[1]), e.normal[1].dot(e.normal[0]) - 1e-9);
+                const double opening = std::acos(std::min(1.0, e.normal[1].dot(e.normal[0])));  // between the facets' normals, with the finder's slack
+                EXPECT_LE(std::acos(std::min(1.0, c.normal.dot(e.normal[0]))), opening + kConeSlack);
+                EXPECT_LE(std::acos(std::min(1.0, c.normal.dot(e.normal[1]))), opening + kConeSlack);
                 const Vec3 from_a = position + c.arm - e.a;  // the contact point lies on the crest
                 EXPECT_NEAR((from_a - from_a.dot(along) * along).norm(), 0.0, 1e-9);
             } else if (c.key.pair == FeaturePair::NodeInFace) {
@@ -250,6 +253,39 @@ TEST(HullContacts, DependOnThePoseOnly) {
             EXPECT_EQ(a[k].normal, b[k].normal);
         }
     });
+}
+
+// The block flies as long as free_time says and meets nothing; and it gets on: near contact the time shrinks with the gap only.
+TEST(HullContacts, NothingTouchesWithinTheFreeTime) {
+    const auto surface = grid_terrain(8.0, 0.5, rough_slope(30 * kDegree, 0.1));
+    RandomStream random(5, 1, RandomPurpose::Shape);
+    std::vector<Contact<3>> contacts;
+    double deepest = 0.0;
+    int near = 0;
+    for_random_poses(*surface, 600, [&](const ConvexBlock& block, const Vec3& position, const Quat& q) {
+        BlockState<3> s;
+        s.position = position + Vec3(0.0, 0.0, random.uniform(0.1, 1.0));
+        s.orientation = q;
+        s.velocity = {random.uniform(-8, 8), random.uniform(-8, 8), random.uniform(-8, 2)};
+        s.spin = {random.uniform(-15, 15), random.uniform(-15, 15), random.uniform(-15, 15)};
+        HullContacts finder(block, *surface, false);
+        const double spin_bound = std::sqrt(s.spin.cwiseProduct(block.inertia).dot(s.spin) / block.inertia.minCoeff());
+        double gap = 0.0;
+        const double time = finder.free_time(s, spin_bound, kStandardGravity, gap);
+        if (gap < 0.01) return;  // overlaps, or as good as touches
+        EXPECT_GT(time, 0.0);
+        if (std::isfinite(gap)) ++near;
+        for (int k = 1; k <= 8; ++k) {
+            BlockState<3> later = s;
+            const double t = time * k / 8;
+            later.position += t * s.velocity - 0.5 * kStandardGravity * t * t * Vec3::UnitZ();
+            rotate_freely(block.inertia, 1e-3, t, later.orientation, later.spin);
+            finder.detect(later.position, later.orientation.toRotationMatrix(), 0.0, contacts);
+            for (const auto& c : contacts) deepest = std::max(deepest, -c.gap);
+        }
+    });
+    EXPECT_GT(near, 50);
+    EXPECT_LT(deepest, 1e-9);
 }
 
 TEST(HullContacts, ClearanceIsALowerBoundOfEveryGap) {

@@ -28,6 +28,10 @@ BlockState<3> tumbling() {
 struct NoTerrain {
     void detect(const Vec3&, const Mat3&, double, std::vector<Contact<3>>& contacts) const { contacts.clear(); }
     double clearance(const Vec3&, const Mat3&) const { return kInfinity; }
+    double free_time(const BlockState<3>&, double, double, double& gap) const {
+        gap = kInfinity;
+        return 0.25;
+    }
     bool over_terrain(const Vec3&) const { return true; }
     double radius() const { return 0.5; }
     double inner_radius() const { return 0.2; }

@@ -31,11 +31,15 @@ ConvexHull convex_hull(const std::vector<Vec3>& points);
 MassProperties mass_properties(const ConvexHull& hull);
 
 /// A rigid convex body of given mass: its body frame has the origin in the centre of mass and the axes along the principal axes of
-/// inertia. Coordinates are kept as separate arrays (SoA), the layout that detection wants.
+/// inertia. Coordinates are kept as separate arrays (SoA), the layout that detection wants, filled up to whole groups of kLanes by
+/// repeating the last entry: least, largest and first of them stay the same.
 struct ConvexBlock {
+    static constexpr Eigen::Index kLanes = 8;
+
     Eigen::ArrayXd x, y, z;               ///< vertices, body frame [m]
     Eigen::ArrayXd nx, ny, nz;            ///< outward unit normals of the faces, body frame [-]
     Eigen::ArrayXd offset;                ///< normal.p of each face [m]
+    Eigen::Index vertices = 0;            ///< number of vertices, without the filling [-]
     std::vector<std::array<std::int32_t, 3>> facets;  ///< vertices of each face, counter-clockwise from outside [-]
     double mass = 0.0;                    ///< [kg]
     double volume = 0.0;                  ///< of the hull [m^3]
@@ -44,8 +48,8 @@ struct ConvexBlock {
     double radius = 0.0;                  ///< largest distance of a vertex from the centre of mass [m]
     double inner_radius = 0.0;            ///< smallest distance of a face from the centre of mass [m]
 
-    Eigen::Index vertex_count() const { return x.size(); }
-    Eigen::Index face_count() const { return nx.size(); }
+    Eigen::Index vertex_count() const { return vertices; }
+    Eigen::Index face_count() const { return static_cast<Eigen::Index>(facets.size()); }
     Vec3 vertex(Eigen::Index i) const { return {x[i], y[i], z[i]}; }
     Vec3 normal(Eigen::Index f) const { return {nx[f], ny[f], nz[f]}; }
 };

@@ -55,12 +55,20 @@ struct PatchSpoke {
     SoilId soil = 0; ///< soil of that facet
 };
 
+/// A plane above the terrain over some area: normal.x <= offset for every point x of it.
+struct SupportingPlane {
+    Vec3 normal = Vec3::UnitZ();   ///< unit, upwards [-]
+    double offset = -kInfinity;    ///< [m]; no terrain at all: minus infinity
+    bool whole = false;            ///< true: there is terrain everywhere over the area, no hole and no rim
+
+    double height(const Vec3& p) const { return normal.dot(p) - offset; }
+};
+
 /// The terrain near a block, copied out once and used for many steps while the block stays over `box`.
 /// Facets are found through square bins, like the cells of the grid that they mostly come from.
 struct TerrainPatch {
     Box2 box;                      ///< what the patch covers in plan view [m]
-    Vec3 plane_normal;             ///< the whole patch lies below the plane plane_normal.x = plane_offset [-]
-    double plane_offset = 0.0;     ///< [m]
+    SupportingPlane plane;         ///< of the whole patch
     std::vector<PatchFacet> facets;
     std::vector<PatchEdge> edges;  ///< convex edges only
     std::vector<PatchNode> nodes;  ///< protruding nodes only
@@ -76,10 +84,12 @@ struct TerrainPatch {
     void clear();
     /// Facets whose bin holds the point; empty outside the patch.
     std::span<const std::int32_t> facets_near(const Vec2& p) const;
+    std::span<const std::int32_t> facets_in_bin(int column, int row) const {
+        const auto bin = static_cast<std::size_t>(row) * static_cast<std::size_t>(bin_columns) + static_cast<std::size_t>(column);
+        return std::span(bin_facets).subspan(static_cast<std::size_t>(bin_start[bin]), static_cast<std::size_t>(bin_start[bin + 1] - bin_start[bin]));
+    }
     /// The facet under or over p, null over a hole or outside.
     const PatchFacet* facet_at(const Vec2& p) const;
-    /// Lays the plane over the patch: mean normal of the facets, raised above all corners.
-    void finish(std::span<const Vec3> corners);
 };
 
 /// A terrain: single-valued heights over a part of the plane, made of triangles each with one soil. Immutable, shared by all threads.
@@ -95,6 +105,8 @@ public:
     virtual std::int64_t facet_at(const Vec2& p) const = 0;
     /// Copies out all facets, convex edges and protruding nodes that reach into the box.
     virtual void gather(const Box2& box, TerrainPatch& patch) const = 0;
+    /// A plane above all facets that reach into the box, along their mean gradient.
+    virtual SupportingPlane supporting_plane(const Box2& box) const = 0;
 
     /// Height at p [m], NaN over holes and outside.
     double height(const Vec2& p) const;

@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include "scree/geometry/convex_block.hpp"
+
+namespace scree {
+
+// The loops over all vertices and faces of a block, with the widest instruction set that the processor has when the program runs. Sums are formed
+// point by point without fused operations, and least and largest do not depend on the order: every instruction set gives the same numbers.
+
+/// height[i] = n.p_i + offset of all vertices (filling included); returns the least.
+double plane_heights(const ConvexBlock& block, const Vec3& n, double offset, double* height);
+
+/// Largest n.p_i over the vertices: how far the block reaches in the direction n.
+double support(const ConvexBlock& block, const Vec3& n);
+
+/// Soonest time [s] at which a vertex could reach the plane from which it is height[i] away, if it moves towards it as
+/// height[i] + (n.p_i + rate) t - acceleration/2 t^2 at worst; infinite if none can. Heights must be positive, acceleration too.
+double soonest_arrival(const ConvexBlock& block, const double* height, const Vec3& n, double rate, double acceleration);
+
+/// Largest of normal.p - offset over the faces; `face` is the first where it is.
+double farthest_face(const ConvexBlock& block, const Vec3& p, Eigen::Index& face);
+
+/// Along the line a + t d the plane distance of face f is value[f] + t slope[f].
+void face_lines(const ConvexBlock& block, const Vec3& a, const Vec3& d, double* value, double* slope);
+
+/// Largest of value[f] + t slope[f] over the faces; `face` is the first where it is.
+double farthest_on_line(const ConvexBlock& block, const double* value, const double* slope, double t, Eigen::Index& face);
+
+/// From t on, in the direction +1 or -1, face `face` is the highest on the line: how far until another rises above it, which is `next`; at least
+/// 1e-9. Returns `room` and leaves `next` alone if none does before.
+double next_on_line(const ConvexBlock& block, const double* value, const double* slope, double t, Eigen::Index face, double direction, double room,
+                    Eigen::Index& next);
+
+}  // namespace scree
