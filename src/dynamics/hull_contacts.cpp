@@ -410,10 +410,11 @@ void HullContacts::add_cut_corner(const PatchEdge& edge, const Vec3& position, c
     const Vec3 across = contact.normal.cross(along);
     const double before = across.dot(position + end[0] - edge.a), after = across.dot(position + end[1] - edge.a);
     if (!(before * after < 0.0)) return;
-    contact.arm = end[0] + before / (before - after) * (end[1] - end[0]);
-    const double t = along.dot(position + contact.arm - edge.a) / along.squaredNorm();
+    const Vec3 crossing = position + end[0] + before / (before - after) * (end[1] - end[0]) - edge.a;
+    const double t = along.dot(crossing) / along.squaredNorm();
     if (t < 0.0 || t > 1.0) return;
-    contact.gap = contact.normal.dot(position + contact.arm - edge.a);
+    contact.arm = edge.a + t * along - position;  // on the crest, as for every contact with one
+    contact.gap = contact.normal.dot(crossing);
     if (contact.gap > 0.0 || contact.gap < -block_.inner_radius) return;
     contact.soil = edge.soil[low + high < 1.0 ? 0 : 1];
     const auto [first, second] = std::minmax(number[0], number[1]);

@@ -262,9 +262,9 @@ TEST(HullContacts, NothingTouchesWithinTheFreeTime) {
     std::vector<Contact<3>> contacts;
     double deepest = 0.0;
     int near = 0;
-    for_random_poses(*surface, 600, [&](const ConvexBlock& block, const Vec3& position, const Quat& q) {
+    for_random_poses(*surface, 1200, [&](const ConvexBlock& block, const Vec3& position, const Quat& q) {
         BlockState<3> s;
-        s.position = position + Vec3(0.0, 0.0, random.uniform(0.1, 1.0));
+        s.position = position + Vec3(0.0, 0.0, random.uniform(0.05, 0.5));
         s.orientation = q;
         s.velocity = {random.uniform(-8, 8), random.uniform(-8, 8), random.uniform(-8, 2)};
         s.spin = {random.uniform(-15, 15), random.uniform(-15, 15), random.uniform(-15, 15)};
