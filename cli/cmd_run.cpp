@@ -50,6 +50,7 @@ std::vector<gis::ProvenanceEntry> provenance(const SiteFile& site, const SiteMod
     p.push_back({"impacts", std::to_string(c.impacts)});
     p.push_back({"impacts_with_lowered_restitution", std::to_string(c.restitution_capped)});
     p.push_back({"steps_with_energy_taken_back", std::to_string(c.energy_capped)});
+    p.push_back({"largest_rise_taken_back_m", short_number(c.largest_rise_taken_back)});
     p.push_back({"largest_energy_rise_m", short_number(c.largest_energy_rise)});
     p.push_back({"penetration_p999_m", short_number(c.penetration_quantile(0.999))});
     p.push_back({"largest_penetration_m", short_number(c.largest_penetration)});

@@ -52,14 +52,14 @@ struct Scaled {
     PerContact mu, mu_r;              ///< mu unchanged, mu_r scaled
     double norm_q = 0.0;
 
-    explicit Scaled(const ContactProblem<Dim>& problem) {
-        const Eigen::Index n = problem.free_velocity.size();
-        W = Eigen::Map<const Matrix>(problem.delassus.data(), n, n);
-        q = Eigen::Map<const Vector>(problem.free_velocity.data(), n);
-        scale.resize(n);
-        mu = Eigen::Map<const PerContact>(problem.friction.data(), problem.count);
-        mu_r = Eigen::Map<const PerContact>(problem.rolling.data(), problem.count);
-        for (int c = 0; c < problem.count; ++c) {
+    explicit Scaled(const ContactProblem<Dim>& problem)
+        : Scaled(Eigen::Map<const Matrix>(problem.delassus.data(), problem.delassus.rows(), problem.delassus.cols()),
+                 Eigen::Map<const Vector>(problem.free_velocity.data(), problem.free_velocity.size()),
+                 Eigen::Map<const PerContact>(problem.friction.data(), problem.count), Eigen::Map<const PerContact>(problem.rolling.data(), problem.count)) {}
+
+    Scaled(const Matrix& delassus, const Vector& free_velocity, const PerContact& friction, const PerContact& rolling)
+        : W(delassus), q(free_velocity), scale(free_velocity.size()), mu(friction), mu_r(rolling) {
+        for (int c = 0; c < count(); ++c) {
             const Eigen::Index at = static_cast<Eigen::Index>(c) * kLocal;
             double linear = 0.0, angular = 0.0;
             for (int k = 0; k <= kTangent; ++k) linear += W(at + k, at + k);
@@ -84,7 +84,7 @@ template <int Dim, int N>
 double residual(const Scaled<Dim, N>& s, const typename Scaled<Dim, N>::Vector& p, typename Scaled<Dim, N>::Vector& F,
                 typename Scaled<Dim, N>::Matrix* jacobian) {
     using S = Scaled<Dim, N>;
-    const typename S::Vector u = s.W * p + s.q;
+    const typename S::Vector u = s.W.lazyProduct(p) + s.q;
     if (jacobian) jacobian->setZero(p.size(), p.size());
     for (int c = 0; c < s.count(); ++c) {
         const Eigen::Index n = static_cast<Eigen::Index>(c) * S::kLocal;
@@ -315,13 +315,10 @@ template <int Dim, int N>
 void relax_contact(const Scaled<Dim, N>& s, int c, typename Scaled<Dim, N>::Vector& p) {
     constexpr int L = kLocalSize<Dim>;
     const Eigen::Index n = static_cast<Eigen::Index>(c) * L;
-    ContactProblem<Dim> one;
-    one.resize(1);
-    one.delassus = s.W.block(n, n, L, L);
-    one.free_velocity = s.q.segment(n, L) + s.W.middleRows(n, L) * p - one.delassus * p.segment(n, L);
-    one.friction[0] = s.mu[c];
-    one.rolling[0] = s.mu_r[c];
-    const Scaled<Dim, L> local(one);
+    using One = Scaled<Dim, L>;
+    const typename One::Matrix block = s.W.template block<L, L>(n, n);
+    const typename One::Vector held = s.q.template segment<L>(n) + s.W.template middleRows<L>(n) * p - block * p.template segment<L>(n);
+    const One local(block, held, typename One::PerContact(s.mu[c]), typename One::PerContact(s.mu_r[c]));
     int used = 0;
     double achieved = 0.0;
     const Eigen::Matrix<double, L, 1> guess = p.segment(n, L).cwiseQuotient(local.scale);
@@ -439,6 +436,7 @@ ContactSolverReport solve_contacts(const ContactProblem<Dim>& problem, const Con
         case 1: return solve_single<Dim>(problem, settings, impulse);
         case 2: return solve_several<Dim, 2 * L>(problem, settings, impulse);
         case 3: return solve_several<Dim, 3 * L>(problem, settings, impulse);
+        case 4: return solve_several<Dim, 4 * L>(problem, settings, impulse);
         default: return solve_several<Dim, Dynamic>(problem, settings, impulse);
     }
 }

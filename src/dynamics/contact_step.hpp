@@ -83,6 +83,7 @@ public:
             case 1: return solve_sized<kLocal>(h, acceleration, rule, state);
             case 2: return solve_sized<2 * kLocal>(h, acceleration, rule, state);
             case 3: return solve_sized<3 * kLocal>(h, acceleration, rule, state);
+            case 4: return solve_sized<4 * kLocal>(h, acceleration, rule, state);
             default: return solve_sized<Eigen::Dynamic>(h, acceleration, rule, state);
         }
     }
@@ -122,11 +123,12 @@ private:
         const auto response = spin_response(body_.moment, state.spin, h);
         const Vec velocity = state.velocity + h * acceleration;
         const Spin spin = free_spin(body_.moment, state.spin, response, h);
-        turned.noalias() = angular * response;
-        delassus.noalias() = linear * linear.transpose() / body_.mass;
-        delassus.noalias() += turned * angular.transpose();
-        free_velocity.noalias() = linear * velocity;
-        free_velocity.noalias() += angular * spin;
+        // lazy products: the general ones do not pay for three columns
+        turned = angular.lazyProduct(response);
+        delassus = linear.lazyProduct(linear.transpose()) / body_.mass;
+        delassus += turned.lazyProduct(angular.transpose());
+        free_velocity = linear.lazyProduct(velocity);
+        free_velocity += angular.lazyProduct(spin);
         if (rule.factor > 0.0) {
             for (std::size_t c = 0; c < contacts_.size(); ++c) {
                 const double before = normal_velocity(c, state);
@@ -137,8 +139,8 @@ private:
         if (h > 0.0) guess_from_last_step(h);
         const ContactSolverReport report = solve_contacts<Dim>(problem, settings_, room_->impulse);
         if (h > 0.0) remember(h);
-        state.velocity = velocity + linear.transpose() * impulse / body_.mass;
-        state.spin = spin + response * (angular.transpose() * impulse);
+        state.velocity = velocity + linear.transpose().lazyProduct(impulse) / body_.mass;
+        state.spin = spin + response * angular.transpose().lazyProduct(impulse);
         return report;
     }
 
@@ -186,7 +188,7 @@ private:
     std::span<const Soil> soils_;
     ContactSolverSettings settings_;
     std::span<const Contact<Dim>> contacts_;
-    std::array<Room, 5> rooms_;  ///< for 0 to 3 contacts, the last for more
+    std::array<Room, 6> rooms_;  ///< for 0 to 4 contacts, the last for more
     Room* room_ = nullptr;       ///< of the contacts at hand
     std::vector<Memory> memory_;
 };

@@ -293,15 +293,18 @@ private:
 
     /// No step may end with more energy than it began with, but for the tolerance of the solver: a larger rise is taken from the velocities.
     void cap_energy(double energy_before) {
-        const double rise = energy(state_) - energy_before;
         const double weight = body_.mass * settings_.gravity;
-        end_.counters.largest_energy_rise = std::max(end_.counters.largest_energy_rise, std::min(rise / weight, kAllowedRise));
-        if (rise <= kAllowedRise * weight) return;
-        ++end_.counters.energy_capped;
-        const double kinetic = kinetic_energy(body_, state_);
-        const double factor = kinetic > rise ? std::sqrt((kinetic - rise) / kinetic) : 0.0;
-        state_.velocity *= factor;
-        state_.spin *= factor;
+        double rise = energy(state_) - energy_before;
+        if (rise > kAllowedRise * weight) {
+            ++end_.counters.energy_capped;
+            end_.counters.largest_rise_taken_back = std::max(end_.counters.largest_rise_taken_back, rise / weight);
+            const double kinetic = kinetic_energy(body_, state_);
+            const double factor = kinetic > rise ? std::sqrt((kinetic - rise) / kinetic) : 0.0;
+            state_.velocity *= factor;
+            state_.spin *= factor;
+            rise = energy(state_) - energy_before;
+        }
+        end_.counters.largest_energy_rise = std::max(end_.counters.largest_energy_rise, rise / weight);
     }
 
     /// A block rests when it hardly moves and when, from rest, its weight would not move it; and this for the rest time. Turning about the normal of the

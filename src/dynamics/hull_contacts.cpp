@@ -31,7 +31,7 @@ constexpr double kFarHorizon = 0.5, kNearHorizon = 0.02;
 /// A flight time over the plane that is shorter than this makes it worth looking at the features [s].
 constexpr double kNearTime = 2e-3;
 /// How far features are looked for: what the fastest point of the block covers in this time [s], and a share of the block's thickness at most [-].
-constexpr double kLookTime = 0.01, kLookShare = 0.5;
+constexpr double kLookTime = 0.02, kLookShare = 0.7;
 /// Where terrain has holes or ends, share of the radius that is flown at most between two looks [-].
 constexpr double kRimShare = 0.25;
 /// Acceleration of a point of a freely turning body is at most |Omega|^2 r + |dOmega/dt| r, and Euler's equations with |I_i - I_j| <= I_k give

@@ -24,6 +24,7 @@ void TrajectoryCounters::merge(const TrajectoryCounters& o) {
     unconverged_problems += o.unconverged_problems;
     restitution_capped += o.restitution_capped;
     energy_capped += o.energy_capped;
+    largest_rise_taken_back = std::max(largest_rise_taken_back, o.largest_rise_taken_back);
     largest_energy_rise = std::max(largest_energy_rise, o.largest_energy_rise);
     largest_penetration = std::max(largest_penetration, o.largest_penetration);
     for (std::size_t k = 0; k < penetration.size(); ++k) penetration[k] += o.penetration[k];

@@ -79,7 +79,8 @@ struct TrajectoryCounters {
     std::int64_t unconverged_problems = 0; ///< of them above the solver's tolerance
     std::int64_t restitution_capped = 0;   ///< impacts whose restitution was lowered because it would have created energy (Kane's paradox)
     std::int64_t energy_capped = 0;        ///< steps whose rise of energy was taken back
-    double largest_energy_rise = 0.0;      ///< largest rise of energy in a step before it was taken back, as height of fall [m]
+    double largest_rise_taken_back = 0.0;  ///< the largest of these rises, as height of fall [m]
+    double largest_energy_rise = 0.0;      ///< largest rise of energy that a step or impact was left with, as height of fall [m]
     double largest_penetration = 0.0;      ///< [m]
     /// Steps in contact by deepest penetration: bin k counts depths in [10^(k/4 - 6), 10^((k+1)/4 - 6)) m, bin 0 all below 10^-5.75.
     std::array<std::int64_t, 28> penetration{};
