@@ -18,7 +18,7 @@ namespace scree {
 ///     detect(position, rotation, reach, contacts)   all contacts with gap <= reach
 ///     clearance(position, rotation)                 a cheap lower bound of every gap
 ///     free_time(state, spin bound, gravity, gap)    how long nothing can touch in flight
-///     over_terrain(position), radius(), inner_radius()
+///     over_terrain(position), beyond_rim(), radius(), inner_radius()
 ///
 /// Event mode, each turn of the loop:
 ///   no contact closed   fly: exact parabola and torque-free rotation up to the moment when a gap closes;
@@ -78,6 +78,10 @@ private:
             double gap = 0.0;
             double dt = finder_.free_time(now, spin_bound, settings_.gravity, gap);
             ++end_.counters.flight_evaluations;
+            if (finder_.beyond_rim()) {
+                finish(StopReason::LeftTerrain);
+                break;
+            }
             if (gap < -settings_.activation_gap && last > kShortestFlight) {  // something that was not in sight
                 flown -= last;
                 last = closing_time(before, now, last);
@@ -222,7 +226,7 @@ private:
         if (depth > kPenetrationSlop) push_out(energy_before);
         cap_energy(energy_before);
         end_segment(motion, h);
-        if (!finder_.over_terrain(state_.position)) finish(StopReason::LeftTerrain);
+        if (!finder_.over_terrain(state_.position) || finder_.beyond_rim()) finish(StopReason::LeftTerrain);
         if (time_ >= settings_.time_limit) finish(StopReason::TimeLimit);
         if (!finished_) look_for_rest(h);
     }
@@ -374,7 +378,7 @@ private:
             const double rise = (energy(state_) - energy_before) / (body_.mass * settings_.gravity);
             end_.counters.largest_energy_rise = std::max(end_.counters.largest_energy_rise, rise);
             end_segment(motion, h);
-            if (!finder_.over_terrain(state_.position)) finish(StopReason::LeftTerrain);
+            if (!finder_.over_terrain(state_.position) || finder_.beyond_rim()) finish(StopReason::LeftTerrain);
             if (time_ >= settings_.time_limit) finish(StopReason::TimeLimit);
             if (!finished_ && !closed_.empty()) look_for_rest(h);
             check();

@@ -192,6 +192,7 @@ void HullContacts::measure_heights(const Vec3& position, const Mat3& rotation, c
 
 void HullContacts::detect(const Vec3& position, const Mat3& rotation, double reach, std::vector<Contact<3>>& contacts) {
     contacts.clear();
+    beyond_rim_ = false;
     cover(position, reach);
     if (patch_.facets.empty()) return;
     if (patch_.plane.height(position) - block_.radius > reach) return;
@@ -218,7 +219,10 @@ void HullContacts::add_vertex_contacts(const Vec3& position, const Mat3& rotatio
         contact.arm = rotation * block_.vertex(i);
         const Vec3 p = position + contact.arm;
         const PatchFacet* facet = patch_.facet_at(p.head<2>());
-        if (!facet) continue;
+        if (!facet) {
+            beyond_rim_ = beyond_rim_ || height_[i] < 0.0;
+            continue;
+        }
         contact.gap = facet->gap(p);
         contact.normal = facet->normal;
         contact.soil = facet->soil;

@@ -32,6 +32,10 @@ public:
     /// False if there is no terrain below the centre of mass: outside the DTM or over a hole.
     bool over_terrain(const Vec3& position);
 
+    /// True if at the last look a vertex hung beside the terrain, over a hole or outside, and below the plane that supports the terrain around: what
+    /// it would touch there is not known, and coming back it would meet the ground from the side.
+    bool beyond_rim() const { return beyond_rim_; }
+
     double radius() const { return block_.radius; }
     double inner_radius() const { return block_.inner_radius; }
 
@@ -76,6 +80,7 @@ private:
     bool vertices_only_;
     TerrainPatch patch_;
     bool covered_ = false;
+    bool beyond_rim_ = false;
     std::vector<double> node_height_;  ///< of each tip of the patch over its plane: zero or less [m]
     std::vector<double> edge_height_;  ///< of the higher end of each crest [m]
     double odometer_ = 0.0;            ///< how far any point of the body can have moved since the start, from look to look [m]

@@ -110,6 +110,7 @@ public:
         return gap > 0.0 ? 2.0 * gap / (std::sqrt(rate * rate + 2.0 * fall * gap) - rate) : 0.0;
     }
     bool over_terrain(const Vec3&) const { return true; }
+    bool beyond_rim() const { return false; }
     double radius() const { return radius_; }
     double inner_radius() const { return radius_; }
 

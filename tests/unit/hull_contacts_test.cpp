@@ -143,6 +143,19 @@ TEST(HullContacts, NothingOverAHole) {
     EXPECT_FALSE(finder.over_terrain({5.0, 0.1, 5.0}));
 }
 
+// A vertex that hangs beside the terrain below its level would meet the ground from the side.
+TEST(HullContacts, AVertexBesideTheTerrainIsBeyondTheRim) {
+    const auto surface = grid_terrain(4.0, 1.0, [](double, double) { return 0.0; });
+    const FramedBlock body = diamond();
+    HullContacts finder(body.block, *surface, false);
+    std::vector<Contact<3>> contacts;
+    const Mat3 rotation = body.to_body.conjugate().toRotationMatrix();
+    for (const auto& [x, z, beyond] : {std::tuple(3.8, 0.05, false), std::tuple(3.8, -0.05, true), std::tuple(3.2, -0.05, false)}) {
+        finder.detect({x, 0.1, z}, rotation, 1e-3, contacts);
+        EXPECT_EQ(finder.beyond_rim(), beyond) << x << " " << z;
+    }
+}
+
 namespace {
 
 /// Random blocks in random poses close to a rough slope.

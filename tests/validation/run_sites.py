@@ -85,7 +85,11 @@ class Site:
             x, y, z = s["xyz"][0][:3]
             above = z - surface.at(x, y)
             if s["stop_reason"] == "at_rest":
-                self.check(LEAST_ABOVE < above < s["l1_m"], f"block {s['block']} rests with its centre {above:.2f} m above the ground")
+                self.check(above > LEAST_ABOVE, f"block {s['block']} rests with its centre {-above:.2f} m below the ground")
+                # in a steep gully the ground straight below is farther away than the walls that hold the block
+                around = [(a, b) for a in np.linspace(-1, 1, 21) * s["l1_m"] for b in np.linspace(-1, 1, 21) * s["l1_m"]]
+                nearest = min(math.hypot(a, b, z - h) for a, b in around if math.isfinite(h := surface.at(x + a, y + b)))
+                self.check(nearest < s["l1_m"], f"block {s['block']} rests {nearest:.2f} m from the ground")
             elif s["stop_reason"] == "left_terrain":
                 d = 1.01 * surface.cell  # scree and GDAL may judge a cell that the DTM covers in part differently
                 near = [surface.at(x + a, y + b) for a in (-d, 0, d) for b in (-d, 0, d)]

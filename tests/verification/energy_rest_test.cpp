@@ -188,4 +188,24 @@ TEST_P(Rest, NotBeyondACrest) {
     }
 }
 
+// Blocks that roll along the rim of the terrain end there or go on, but never meet the ground from the side.
+TEST(Rim, BlocksDoNotEnterTheGroundFromTheSide) {
+    const auto surface = grid_terrain(12.0, 1.0, [](double x, double y) { return y > 1.5 * std::sin(x) ? kNaN : -0.5 * x; });
+    std::array<int, 4> ends{};
+    for (std::uint64_t k = 0; k < 200; ++k) {
+        RandomStream random(8, k, RandomPurpose::Shape);
+        const ConvexBlock block = make_block({}, {0.9, 0.7, 0.5}, 800.0, random);
+        BlockState<3> release;
+        release.position = {-9.0, random.uniform(-3.0, -1.6), 6.0};
+        release.velocity = {3.0, random.uniform(0.0, 2.0), 0.0};
+        release.orientation = Quat(random.normal(), random.normal(), random.normal(), random.normal()).normalized();
+        const std::vector<Soil> soils{{"soil", 0.2, 0.5, 0.04}};
+        const auto end = simulate_block(block, release, *surface, soils, {});
+        ++ends[static_cast<std::size_t>(end.reason)];
+        EXPECT_LT(end.counters.largest_penetration, 0.02) << "block " << k;
+    }
+    EXPECT_GT(ends[static_cast<std::size_t>(StopReason::LeftTerrain)], 50);
+    EXPECT_EQ(ends[static_cast<std::size_t>(StopReason::TimeLimit)] + ends[static_cast<std::size_t>(StopReason::Failed)], 0);
+}
+
 }  // namespace scree::test

@@ -33,6 +33,7 @@ struct NoTerrain {
         return 0.25;
     }
     bool over_terrain(const Vec3&) const { return true; }
+    bool beyond_rim() const { return false; }
     double radius() const { return 0.5; }
     double inner_radius() const { return 0.2; }
 };
