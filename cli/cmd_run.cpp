@@ -49,6 +49,7 @@ std::vector<gis::ProvenanceEntry> provenance(const SiteFile& site, const SiteMod
     p.push_back({"contact_problems_above_tolerance", std::to_string(c.unconverged_problems)});
     p.push_back({"impacts", std::to_string(c.impacts)});
     p.push_back({"impacts_with_lowered_restitution", std::to_string(c.restitution_capped)});
+    p.push_back({"rested_while_turning", std::to_string(c.rested_turning)});
     p.push_back({"steps_with_energy_taken_back", std::to_string(c.energy_capped)});
     p.push_back({"largest_rise_taken_back_m", short_number(c.largest_rise_taken_back)});
     p.push_back({"largest_energy_rise_m", short_number(c.largest_energy_rise)});

@@ -2,16 +2,19 @@
 // Contact law of B&A eqs 13-20 as a system of nonsmooth equations (Alart & Curnier 1991, extended by the rolling part), solved by a
 // semismooth Newton method with line search; Gauss-Seidel sweeps over the contacts (Jourdan, Alart & Jean 1998) with an exact solver for
 // one contact take over where Newton stalls. All in scaled variables: impulses and velocities of one contact are of order one.
+// Plain loops over sizes known to the compiler: expressions of this size would cost more to compile than to run.
 #include "scree/dynamics/contact_solver.hpp"
 
 #include "scree/base/assert.hpp"
 
-#include <Eigen/Cholesky>
 #include <Eigen/LU>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
+#include <type_traits>
+#include <vector>
 
 namespace scree {
 
@@ -26,168 +29,207 @@ void ContactProblem<Dim>::resize(int contacts) {
 
 namespace {
 
-using Eigen::Dynamic;
-
 constexpr double kTiny = 1e-300;
 /// Share of the diagonal added to W inside Newton: W has at most rank 6, more than one contact makes it singular. It changes the path
 /// of the iteration, not the equation that is solved.
 constexpr double kNewtonRegularisation = 1e-9;
 
-/// The problem in scaled variables: W~ = S W S, q~ = S q, p = S p~, with one S for the translational and one for the rolling components.
-/// N is the number of unknowns if known to the compiler, else Dynamic.
-template <int Dim, int N>
-struct Scaled {
-    static constexpr int kTangent = Dim - 1;
-    static constexpr int kLocal = kLocalSize<Dim>;
-    using Vector = Eigen::Matrix<double, N, 1>;
-    using Matrix = Eigen::Matrix<double, N, N>;
-    using Tangent = Eigen::Matrix<double, kTangent, 1>;
-    using Local = Eigen::Matrix<double, kLocal, 1>;
-    using LocalMatrix = Eigen::Matrix<double, kLocal, kLocal>;
+/// Sizes and storage for C contacts; C = 0 where the compiler does not know how many.
+template <int Dim, int C>
+struct Sizes {
+    static constexpr std::size_t T = Dim - 1, L = kLocalSize<Dim>, N = C * L;
+    using Vector = std::conditional_t<(C > 0), std::array<double, N>, std::vector<double>>;
+    using Matrix = std::conditional_t<(C > 0), std::array<double, N * N>, std::vector<double>>;  ///< row by row
+    using PerContact = std::conditional_t<(C > 0), std::array<double, C>, std::vector<double>>;
+    using Local = std::array<double, L>;
 
-    Matrix W;
-    Vector q;
-    Vector scale;                     ///< S
-    using PerContact = Eigen::Matrix<double, N == Dynamic ? Dynamic : N / kLocal, 1>;
-    PerContact mu, mu_r;              ///< mu unchanged, mu_r scaled
+    std::size_t given_count;
+    explicit Sizes(std::size_t contacts) : given_count(contacts) {}
+    std::size_t count() const { return C > 0 ? C : given_count; }
+    std::size_t size() const { return count() * L; }
+    template <class Numbers>
+    static Numbers zeros(std::size_t n) {
+        if constexpr (C > 0) return Numbers{};
+        else return Numbers(n, 0.0);
+    }
+    Vector vector() const { return zeros<Vector>(size()); }
+    Matrix matrix() const { return zeros<Matrix>(size() * size()); }
+};
+
+template <class Vector>
+double norm(const Vector& x) {
+    double sum = 0.0;
+    for (const double v : x) sum += v * v;
+    return std::sqrt(sum);
+}
+
+template <std::size_t T>
+double length(const double* x) {
+    if constexpr (T == 1) return std::abs(x[0]);
+    else return std::sqrt(x[0] * x[0] + x[1] * x[1]);
+}
+
+/// The problem in scaled variables: W~ = S W S, q~ = S q, p = S p~, with one S for the translational and one for the rolling components.
+template <int Dim, int C>
+struct Scaled : Sizes<Dim, C> {
+    using Size = Sizes<Dim, C>;
+    using typename Size::PerContact, typename Size::Vector, typename Size::Matrix;
+    using Size::count, Size::size, Size::L, Size::T;
+
+    Matrix W = Size::matrix();
+    Vector q = Size::vector(), scale = Size::vector();              ///< scale: S
+    PerContact mu = Size::template zeros<PerContact>(count());      ///< unchanged
+    PerContact mu_r = Size::template zeros<PerContact>(count());    ///< scaled
     double norm_q = 0.0;
 
-    explicit Scaled(const ContactProblem<Dim>& problem)
-        : Scaled(Eigen::Map<const Matrix>(problem.delassus.data(), problem.delassus.rows(), problem.delassus.cols()),
-                 Eigen::Map<const Vector>(problem.free_velocity.data(), problem.free_velocity.size()),
-                 Eigen::Map<const PerContact>(problem.friction.data(), problem.count), Eigen::Map<const PerContact>(problem.rolling.data(), problem.count)) {}
-
-    Scaled(const Matrix& delassus, const Vector& free_velocity, const PerContact& friction, const PerContact& rolling)
-        : W(delassus), q(free_velocity), scale(free_velocity.size()), mu(friction), mu_r(rolling) {
-        for (int c = 0; c < count(); ++c) {
-            const Eigen::Index at = static_cast<Eigen::Index>(c) * kLocal;
+    /// From numbers that lie `stride` apart from row to row.
+    Scaled(std::size_t contacts, const double* delassus, std::size_t stride, const double* free_velocity, const double* friction,
+           const double* rolling)
+        : Size(contacts) {
+        for (std::size_t c = 0; c < count(); ++c) {
             double linear = 0.0, angular = 0.0;
-            for (int k = 0; k <= kTangent; ++k) linear += W(at + k, at + k);
-            for (int k = kTangent + 1; k < kLocal; ++k) angular += W(at + k, at + k);
-            const double s = 1.0 / std::sqrt(std::max(linear / Dim, kTiny));
-            const double s_r = 1.0 / std::sqrt(std::max(angular / kTangent, kTiny));
-            for (int k = 0; k < kLocal; ++k) scale[at + k] = k <= kTangent ? s : s_r;
-            // |m| <= mu_r r  <=>  s_r |m~| <= mu_r s r~
-            mu_r[c] *= s / s_r;
+            for (std::size_t k = 0; k < L; ++k) (k <= T ? linear : angular) += delassus[(c * L + k) * (stride + 1)];
+            const double s = 1.0 / std::sqrt(std::max(linear / Dim, kTiny)), s_r = 1.0 / std::sqrt(std::max(angular / T, kTiny));
+            for (std::size_t k = 0; k < L; ++k) scale[c * L + k] = k <= T ? s : s_r;
+            mu[c] = friction[c];
+            mu_r[c] = rolling[c] * s / s_r;  // |m| <= mu_r r  <=>  s_r |m~| <= mu_r s r~
         }
-        W = scale.asDiagonal() * W * scale.asDiagonal();
-        q = scale.cwiseProduct(q);
-        norm_q = q.norm();
+        for (std::size_t i = 0; i < size(); ++i) {
+            q[i] = scale[i] * free_velocity[i];
+            for (std::size_t j = 0; j < size(); ++j) W[i * size() + j] = scale[i] * delassus[i * stride + j] * scale[j];
+        }
+        norm_q = norm(q);
     }
+    explicit Scaled(const ContactProblem<Dim>& p)
+        : Scaled(p.friction.size(), p.delassus.data(), p.friction.size() * L, p.free_velocity.data(), p.friction.data(), p.rolling.data()) {}
 
-    int count() const { return static_cast<int>(mu.size()); }
+    /// u = W p + q. By columns, which are rows too: sums of independent entries, for the vectoriser.
+    Vector velocity(const Vector& p) const {
+        Vector u = q;
+        for (std::size_t j = 0; j < size(); ++j)
+            for (std::size_t i = 0; i < size(); ++i) u[i] += W[j * size() + i] * p[j];
+        return u;
+    }
+    void set_impulse(const Vector& p, Eigen::VectorXd& impulse) const {
+        for (std::size_t i = 0; i < size(); ++i) impulse[static_cast<Eigen::Index>(i)] = scale[i] * p[i];
+    }
+    Vector scaled_impulse(const Eigen::VectorXd& impulse) const {
+        Vector p = Size::vector();
+        for (std::size_t i = 0; i < size(); ++i) p[i] = impulse[static_cast<Eigen::Index>(i)] / scale[i];
+        return p;
+    }
 };
 
 /// Residual F of the nonsmooth equations and, if wanted, its generalised Jacobian. Per contact with sigma = r_N - u_N:
 ///   F_N = u_N if sigma > 0 else r_N;   F_T = r_T - proj_{|y| <= mu max(sigma, 0)} (y), y = r_T - u_T;   F_R alike with mu_r.
-template <int Dim, int N>
-double residual(const Scaled<Dim, N>& s, const typename Scaled<Dim, N>::Vector& p, typename Scaled<Dim, N>::Vector& F,
-                typename Scaled<Dim, N>::Matrix* jacobian) {
-    using S = Scaled<Dim, N>;
-    const typename S::Vector u = s.W.lazyProduct(p) + s.q;
-    if (jacobian) jacobian->setZero(p.size(), p.size());
-    for (int c = 0; c < s.count(); ++c) {
-        const Eigen::Index n = static_cast<Eigen::Index>(c) * S::kLocal;
+template <int Dim, int C>
+[[gnu::noinline]] double residual(const Scaled<Dim, C>& s, const typename Scaled<Dim, C>::Vector& p, typename Scaled<Dim, C>::Vector& F,
+                                  typename Scaled<Dim, C>::Matrix* jacobian) {
+    constexpr std::size_t T = Scaled<Dim, C>::T, L = Scaled<Dim, C>::L;
+    const std::size_t size = s.size();
+    const typename Scaled<Dim, C>::Vector u = s.velocity(p);
+    auto row_of_J = [&](std::size_t i) { return jacobian->data() + i * size; };
+    auto row_of_W = [&](std::size_t i) { return s.W.data() + i * size; };
+    for (std::size_t c = 0; c < s.count(); ++c) {
+        const std::size_t n = c * L;
         const double sigma = p[n] - u[n];
-        if (sigma > 0.0) {
-            F[n] = u[n];
-            if (jacobian) jacobian->row(n) = s.W.row(n);
-        } else {
-            F[n] = p[n];
-            if (jacobian) (*jacobian)(n, n) = 1.0;
+        F[n] = sigma > 0.0 ? u[n] : p[n];
+        if (jacobian && sigma > 0.0) {
+            std::copy_n(row_of_W(n), size, row_of_J(n));
+        } else if (jacobian) {
+            std::fill_n(row_of_J(n), size, 0.0);
+            row_of_J(n)[n] = 1.0;
         }
-        for (int part = 0; part < 2; ++part) {
-            const Eigen::Index at = n + 1 + part * S::kTangent;
-            const double limit = (part == 0 ? s.mu : s.mu_r)[c];
+        for (std::size_t at = n + 1; at < n + L; at += T) {
+            const double limit = (at == n + 1 ? s.mu : s.mu_r)[c];
             const double threshold = limit * std::max(sigma, 0.0);
-            const typename S::Tangent y = p.template segment<S::kTangent>(at) - u.template segment<S::kTangent>(at);
-            const double length = y.norm();
-            if (length <= threshold) {  // sticks (or does not roll)
-                F.template segment<S::kTangent>(at) = u.template segment<S::kTangent>(at);
-                if (jacobian) jacobian->template middleRows<S::kTangent>(at) = s.W.template middleRows<S::kTangent>(at);
+            double y[T];
+            for (std::size_t k = 0; k < T; ++k) y[k] = p[at + k] - u[at + k];
+            const double pull = length<T>(y);
+            if (pull <= threshold) {  // sticks (or does not roll)
+                for (std::size_t k = 0; k < T; ++k) F[at + k] = u[at + k];
+                if (jacobian) std::copy_n(row_of_W(at), T * size, row_of_J(at));
                 continue;
             }
-            const typename S::Tangent direction = y / length;
-            F.template segment<S::kTangent>(at) = p.template segment<S::kTangent>(at) - threshold * direction;
+            double direction[T];
+            for (std::size_t k = 0; k < T; ++k) direction[k] = y[k] / pull;
+            for (std::size_t k = 0; k < T; ++k) F[at + k] = p[at + k] - threshold * direction[k];
             if (!jacobian) continue;
-            // d(threshold direction) = limit direction dsigma + threshold/length (I - direction direction^T) dy
-            const Eigen::Matrix<double, S::kTangent, S::kTangent> turn =
-                threshold / length *
-                (Eigen::Matrix<double, S::kTangent, S::kTangent>::Identity() - direction * direction.transpose());
-            jacobian->template middleRows<S::kTangent>(at) = turn * s.W.template middleRows<S::kTangent>(at);
-            jacobian->template block<S::kTangent, S::kTangent>(at, at) +=
-                Eigen::Matrix<double, S::kTangent, S::kTangent>::Identity() - turn;
-            if (sigma > 0.0) {
-                jacobian->template middleRows<S::kTangent>(at) += limit * direction * s.W.row(n);
-                jacobian->template block<S::kTangent, 1>(at, n) -= limit * direction;
+            // d(threshold direction) = limit direction dsigma + threshold/pull (I - direction direction^T) dy
+            for (std::size_t k = 0; k < T; ++k) {
+                double* row = row_of_J(at + k);
+                const double push = sigma > 0.0 ? limit * direction[k] : 0.0;
+                for (std::size_t j = 0; j < size; ++j) row[j] = push * row_of_W(n)[j];
+                row[n] -= push;
+                row[at + k] += 1.0;
+                for (std::size_t m = 0; m < T; ++m) {
+                    const double turn = threshold / pull * ((k == m ? 1.0 : 0.0) - direction[k] * direction[m]);
+                    for (std::size_t j = 0; j < size; ++j) row[j] += turn * row_of_W(at + m)[j];
+                    row[at + m] -= turn;
+                }
             }
         }
     }
-    return F.norm();
+    return norm(F);
 }
 
-/// x with A x = b by elimination with row pivoting; A and b are used up. Written out for sizes known to the compiler, where it beats the general
-/// factorisation by far.
-template <int N>
-Eigen::Matrix<double, N, 1> solve_linear(Eigen::Matrix<double, N, N>& A, Eigen::Matrix<double, N, 1> b) {
-    if constexpr (N == Dynamic) {
-        return A.partialPivLu().solve(b);
-    } else {
-        Eigen::Matrix<double, N, N, Eigen::RowMajor> rows = A;
-        for (int k = 0; k < N; ++k) {
-            int pivot = k;
-            for (int i = k + 1; i < N; ++i)
-                if (std::abs(rows(i, k)) > std::abs(rows(pivot, k))) pivot = i;
-            if (pivot != k) {
-                rows.row(k).swap(rows.row(pivot));
-                std::swap(b[k], b[pivot]);
-            }
-            const double inverse = 1.0 / rows(k, k);
-            for (int i = k + 1; i < N; ++i) {
-                const double factor = rows(i, k) * inverse;
-                if (factor == 0.0) continue;
-                for (int j = k + 1; j < N; ++j) rows(i, j) -= factor * rows(k, j);
-                b[i] -= factor * b[k];
-            }
+/// b becomes x with A x = b, by elimination with row pivoting; A is used up.
+template <class Matrix, class Vector>
+void solve_linear(std::size_t size, Matrix& A, Vector& b) {
+    for (std::size_t k = 0; k < size; ++k) {
+        std::size_t pivot = k;
+        for (std::size_t i = k + 1; i < size; ++i)
+            if (std::abs(A[i * size + k]) > std::abs(A[pivot * size + k])) pivot = i;
+        if (pivot != k) {
+            for (std::size_t j = k; j < size; ++j) std::swap(A[k * size + j], A[pivot * size + j]);
+            std::swap(b[k], b[pivot]);
         }
-        for (int k = N - 1; k >= 0; --k) {
-            for (int j = k + 1; j < N; ++j) b[k] -= rows(k, j) * b[j];
-            b[k] /= rows(k, k);
+        const double inverse = 1.0 / A[k * size + k];
+        for (std::size_t i = k + 1; i < size; ++i) {
+            const double factor = A[i * size + k] * inverse;
+            if (factor == 0.0) continue;
+            for (std::size_t j = k + 1; j < size; ++j) A[i * size + j] -= factor * A[k * size + j];
+            b[i] -= factor * b[k];
         }
-        return b;
+    }
+    for (std::size_t k = size; k-- > 0;) {
+        for (std::size_t j = k + 1; j < size; ++j) b[k] -= A[k * size + j] * b[j];
+        b[k] /= A[k * size + k];
     }
 }
 
 /// Newton with backtracking. Returns the relative residual; p is the best point met.
-template <int Dim, int N>
-double newton(const Scaled<Dim, N>& s, double tolerance, int iterations, typename Scaled<Dim, N>::Vector& p, int& used) {
-    using S = Scaled<Dim, N>;
-    typename S::Vector F(p.size()), trial(p.size()), trial_F(p.size());
-    typename S::Matrix J(p.size(), p.size());
-    double norm = residual<Dim, N>(s, p, F, &J);
-    typename S::Vector best = p;
-    double best_norm = norm;
+template <int Dim, int C>
+[[gnu::noinline]] double newton(const Scaled<Dim, C>& s, double tolerance, int iterations, typename Scaled<Dim, C>::Vector& p, int& used) {
+    using Vector = typename Scaled<Dim, C>::Vector;
+    const std::size_t size = s.size();
+    Vector F = s.vector(), trial_F = s.vector();
+    typename Scaled<Dim, C>::Matrix J = s.matrix();
+    double now = residual<Dim, C>(s, p, F, &J);
+    Vector best = p;
+    double best_norm = now;
     int stalled = 0;
-    for (int k = 0; k < iterations && norm > tolerance * s.norm_q; ++k, ++used) {
-        J.diagonal().array() += kNewtonRegularisation;
-        const typename S::Vector step = solve_linear<N>(J, -F);
-        if (!step.allFinite()) break;
-        double length = 1.0;
-        double trial_norm = 0.0;
-        for (int cut = 0; cut < 8; ++cut, length *= 0.5) {
-            trial = p + length * step;
-            trial_norm = residual<Dim, N>(s, trial, trial_F, nullptr);
-            if (trial_norm < (1.0 - 1e-4 * length) * norm) break;
+    for (int k = 0; k < iterations && now > tolerance * s.norm_q; ++k, ++used) {
+        for (std::size_t i = 0; i < size; ++i) J[i * (size + 1)] += kNewtonRegularisation;
+        Vector step = F;
+        solve_linear(size, J, step);
+        if (!std::isfinite(norm(step))) break;
+        Vector trial = p;
+        double share = 1.0, trial_norm = 0.0;
+        for (int cut = 0; cut < 8; ++cut, share *= 0.5) {
+            for (std::size_t i = 0; i < size; ++i) trial[i] = p[i] - share * step[i];
+            trial_norm = residual<Dim, C>(s, trial, trial_F, nullptr);
+            if (trial_norm < (1.0 - 1e-4 * share) * now) break;
         }
         // a full step now and then, even uphill, leaves the kinks where the line search would stop for ever
-        if (trial_norm >= norm) {
+        if (trial_norm >= now) {
             if (++stalled > 3) break;
-            trial = p + step;
+            for (std::size_t i = 0; i < size; ++i) trial[i] = p[i] - step[i];
         }
         p = trial;
-        norm = residual<Dim, N>(s, p, F, &J);
-        if (norm < best_norm) {
-            best_norm = norm;
+        now = residual<Dim, C>(s, p, F, &J);
+        if (now < best_norm) {
+            best_norm = now;
             best = p;
         }
     }
@@ -197,7 +239,8 @@ double newton(const Scaled<Dim, N>& s, double tolerance, int iterations, typenam
 
 /// min 1/2 a |x|^2-like problem on a disc: minimises 1/2 x.A x + b.x over |x| <= radius, A symmetric positive definite (1x1 or 2x2).
 template <int T>
-Eigen::Matrix<double, T, 1> minimise_on_disc(const Eigen::Matrix<double, T, T>& A, const Eigen::Matrix<double, T, 1>& b, double radius) {
+Eigen::Matrix<double, T, 1> minimise_on_disc(const Eigen::Matrix<double, T, T>& A, const Eigen::Matrix<double, T, 1>& b,
+                                             double radius) {
     using Vector = Eigen::Matrix<double, T, 1>;
     using Matrix = Eigen::Matrix<double, T, T>;
     const Vector inside = A.inverse() * -b;
@@ -221,15 +264,17 @@ Eigen::Matrix<double, T, 1> minimise_on_disc(const Eigen::Matrix<double, T, T>& 
 /// One contact, whatever Newton says: for a given r_N friction and rolling are a convex problem on two discs, and the normal velocity that
 /// results is continuous in r_N, negative at zero and positive for large r_N: a root is bracketed and bisected.
 template <int Dim>
-Eigen::Matrix<double, kLocalSize<Dim>, 1> solve_one_by_bisection(const Eigen::Matrix<double, kLocalSize<Dim>, kLocalSize<Dim>>& W,
-                                                                 const Eigen::Matrix<double, kLocalSize<Dim>, 1>& q, double mu,
-                                                                 double mu_r) {
+[[gnu::noinline]] typename Scaled<Dim, 1>::Vector solve_one_by_bisection(const Scaled<Dim, 1>& s) {
     constexpr int T = Dim - 1;
     using Local = Eigen::Matrix<double, kLocalSize<Dim>, 1>;
     using Tangent = Eigen::Matrix<double, T, 1>;
     using Block = Eigen::Matrix<double, T, T>;
+    const Eigen::Matrix<double, kLocalSize<Dim>, kLocalSize<Dim>> W(s.W.data());  // symmetric: by rows or by columns
+    const Local q(s.q.data());
+    const double mu = s.mu[0], mu_r = s.mu_r[0];
     Local p = Local::Zero();
-    const Block A = W.template block<T, T>(1, 1), B = W.template block<T, T>(1 + T, 1 + T), C = W.template block<T, T>(1, 1 + T);
+    const Block A = W.template block<T, T>(1, 1), B = W.template block<T, T>(1 + T, 1 + T),
+                C = W.template block<T, T>(1, 1 + T);
     auto normal_velocity = [&](double r) {
         p[0] = r;
         const Tangent a = q.template segment<T>(1) + W.template block<T, 1>(1, 0) * r;
@@ -247,7 +292,6 @@ Eigen::Matrix<double, kLocalSize<Dim>, 1> solve_one_by_bisection(const Eigen::Ma
         p.template segment<T>(1 + T) = m;
         return W.row(0).dot(p) + q[0];
     };
-    if (q[0] >= 0.0) return p;
     double low = 0.0, high = std::max(-q[0] / W(0, 0), kTiny);
     for (int k = 0; k < 200 && normal_velocity(high) < 0.0; ++k) {
         low = high;
@@ -258,35 +302,37 @@ Eigen::Matrix<double, kLocalSize<Dim>, 1> solve_one_by_bisection(const Eigen::Ma
         (normal_velocity(mid) < 0.0 ? low : high) = mid;
     }
     normal_velocity(high);
-    return p;
+    typename Scaled<Dim, 1>::Vector result;
+    std::copy_n(p.data(), result.size(), result.begin());
+    return result;
 }
 
 /// One contact in scaled variables: take-off, sticking without rolling, else Newton, else bisection.
 template <int Dim>
-Eigen::Matrix<double, kLocalSize<Dim>, 1> solve_one(const Scaled<Dim, kLocalSize<Dim>>& s, double tolerance,
-                                                    const Eigen::Matrix<double, kLocalSize<Dim>, 1>& guess, int& newton_used, double& achieved) {
-    constexpr int T = Dim - 1;
-    using Local = Eigen::Matrix<double, kLocalSize<Dim>, 1>;
+[[gnu::noinline]] typename Scaled<Dim, 1>::Vector solve_one(const Scaled<Dim, 1>& s, double tolerance, const typename Scaled<Dim, 1>::Vector& guess,
+                                                            int& newton_used, double& achieved) {
+    constexpr std::size_t T = Scaled<Dim, 1>::T, L = Scaled<Dim, 1>::L;
+    using Vector = typename Scaled<Dim, 1>::Vector;
     achieved = 0.0;
-    if (s.q[0] >= 0.0) return Local::Zero();
+    if (s.q[0] >= 0.0) return Vector{};
+    Vector p = guess;
     if (guess[0] > 0.0) {
-        Local p = guess;
-        achieved = newton<Dim, kLocalSize<Dim>>(s, tolerance, 4, p, newton_used);  // mostly one iteration away
+        achieved = newton<Dim, 1>(s, tolerance, 4, p, newton_used);  // mostly one iteration away
         if (achieved <= tolerance) return p;
     }
-    const Local stick = s.W.llt().solve(-s.q);
+    auto W = s.W;
+    for (std::size_t i = 0; i < L; ++i) p[i] = -s.q[i];
+    solve_linear(L, W, p);
     achieved = 0.0;
-    if (stick[0] > 0.0 && stick.template segment<T>(1).norm() <= s.mu[0] * stick[0] &&
-        stick.template segment<T>(1 + T).norm() <= s.mu_r[0] * stick[0])
-        return stick;
+    if (p[0] > 0.0 && length<T>(&p[1]) <= s.mu[0] * p[0] && length<T>(&p[1 + T]) <= s.mu_r[0] * p[0]) return p;
     // slide against the sticking impulse: the right side of every kink in most cases
-    Local p = stick.allFinite() ? stick : Local(Local::Zero());
-    p[0] = std::max(p[0], -s.q[0] / s.W(0, 0));
-    achieved = newton<Dim, kLocalSize<Dim>>(s, tolerance, 30, p, newton_used);
+    if (!std::isfinite(norm(p))) p = Vector{};
+    p[0] = std::max(p[0], -s.q[0] / s.W[0]);
+    achieved = newton<Dim, 1>(s, tolerance, 30, p, newton_used);
     if (achieved <= tolerance) return p;
-    const Local robust = solve_one_by_bisection<Dim>(s.W, s.q, s.mu[0], s.mu_r[0]);
-    Local F;
-    const double robust_residual = residual<Dim, kLocalSize<Dim>>(s, robust, F, nullptr) / std::max(s.norm_q, kTiny);
+    const Vector robust = solve_one_by_bisection<Dim>(s);
+    Vector F{};
+    const double robust_residual = residual<Dim, 1>(s, robust, F, nullptr) / std::max(s.norm_q, kTiny);
     if (robust_residual < achieved) {
         achieved = robust_residual;
         return robust;
@@ -295,132 +341,135 @@ Eigen::Matrix<double, kLocalSize<Dim>, 1> solve_one(const Scaled<Dim, kLocalSize
 }
 
 /// Moves every contact's impulse into its cone: what Newton leaves is outside by the size of the residual.
-template <int Dim, int N>
-void clip_to_cone(const Scaled<Dim, N>& s, typename Scaled<Dim, N>::Vector& p) {
-    using S = Scaled<Dim, N>;
-    for (int c = 0; c < s.count(); ++c) {
-        const Eigen::Index n = static_cast<Eigen::Index>(c) * S::kLocal;
-        p[n] = std::max(p[n], 0.0);
-        for (int part = 0; part < 2; ++part) {
-            const Eigen::Index at = n + 1 + part * S::kTangent;
-            const double limit = (part == 0 ? s.mu : s.mu_r)[c] * p[n];
-            const double length = p.template segment<S::kTangent>(at).norm();
-            if (length > limit) p.template segment<S::kTangent>(at) *= limit / std::max(length, kTiny);
+template <int Dim, int C>
+void clip_to_cone(const Scaled<Dim, C>& s, typename Scaled<Dim, C>::Vector& p) {
+    constexpr std::size_t T = Scaled<Dim, C>::T, L = Scaled<Dim, C>::L;
+    for (std::size_t c = 0; c < s.count(); ++c) {
+        double* r = &p[c * L];
+        r[0] = std::max(r[0], 0.0);
+        for (std::size_t at = 1; at < L; at += T) {
+            const double limit = (at == 1 ? s.mu : s.mu_r)[c] * r[0], pull = length<T>(r + at);
+            if (pull > limit)
+                for (std::size_t k = 0; k < T; ++k) r[at + k] *= limit / std::max(pull, kTiny);
         }
     }
 }
 
 /// Solves contact c exactly with the impulses of the others held.
-template <int Dim, int N>
-void relax_contact(const Scaled<Dim, N>& s, int c, typename Scaled<Dim, N>::Vector& p) {
-    constexpr int L = kLocalSize<Dim>;
-    const Eigen::Index n = static_cast<Eigen::Index>(c) * L;
-    using One = Scaled<Dim, L>;
-    const typename One::Matrix block = s.W.template block<L, L>(n, n);
-    const typename One::Vector held = s.q.template segment<L>(n) + s.W.template middleRows<L>(n) * p - block * p.template segment<L>(n);
-    const One local(block, held, typename One::PerContact(s.mu[c]), typename One::PerContact(s.mu_r[c]));
+template <int Dim, int C>
+[[gnu::noinline]] void relax_contact(const Scaled<Dim, C>& s, std::size_t c, typename Scaled<Dim, C>::Vector& p) {
+    constexpr std::size_t L = Scaled<Dim, C>::L;
+    const std::size_t n = c * L, size = s.size();
+    std::array<double, L> held, guess;
+    for (std::size_t i = 0; i < L; ++i) {
+        held[i] = s.q[n + i];
+        for (std::size_t j = 0; j < size; ++j)
+            if (j < n || j >= n + L) held[i] += s.W[(n + i) * size + j] * p[j];
+    }
+    const Scaled<Dim, 1> local(1, &s.W[n * (size + 1)], size, held.data(), &s.mu[c], &s.mu_r[c]);
+    for (std::size_t i = 0; i < L; ++i) guess[i] = p[n + i] / local.scale[i];
     int used = 0;
     double achieved = 0.0;
-    const Eigen::Matrix<double, L, 1> guess = p.segment(n, L).cwiseQuotient(local.scale);
-    p.segment(n, L) = local.scale.cwiseProduct(solve_one<Dim>(local, 1e-12, guess, used, achieved));
+    const auto solved = solve_one<Dim>(local, 1e-12, guess, used, achieved);
+    for (std::size_t i = 0; i < L; ++i) p[n + i] = local.scale[i] * solved[i];
 }
 
 /// One Gauss-Seidel sweep over the contacts.
-template <int Dim, int N>
-void sweep(const Scaled<Dim, N>& s, typename Scaled<Dim, N>::Vector& p) {
-    for (int c = 0; c < s.count(); ++c) relax_contact<Dim, N>(s, c, p);
+template <int Dim>
+void sweep(const Scaled<Dim, 0>& s, std::vector<double>& p) {
+    for (std::size_t c = 0; c < s.count(); ++c) relax_contact<Dim, 0>(s, c, p);
 }
 
 /// A cold start: every contact by itself carries its share. Unlike a sweep it favours no contact: where several impulses solve the problem, as for a
 /// box that slides on four corners, the one found keeps the symmetry of the problem.
-template <int Dim, int N>
-void start_together(const Scaled<Dim, N>& s, typename Scaled<Dim, N>::Vector& p) {
-    using Vector = typename Scaled<Dim, N>::Vector;
-    const Vector nothing = Vector::Zero(s.q.size());
-    p = nothing;
-    for (int c = 0; c < s.count(); ++c) {
-        Vector alone = nothing;
-        relax_contact<Dim, N>(s, c, alone);
-        p += alone / s.count();
+template <int Dim, int C>
+void start_together(const Scaled<Dim, C>& s, typename Scaled<Dim, C>::Vector& p) {
+    constexpr std::size_t L = Scaled<Dim, C>::L;
+    p = s.vector();
+    for (std::size_t c = 0; c < s.count(); ++c) {
+        auto alone = s.vector();
+        relax_contact<Dim, C>(s, c, alone);
+        for (std::size_t i = c * L; i < (c + 1) * L; ++i) p[i] = alone[i] / static_cast<double>(s.count());
     }
 }
 
-template <int Dim, int N>
-double relative_residual(const Scaled<Dim, N>& s, const typename Scaled<Dim, N>::Vector& p) {
-    typename Scaled<Dim, N>::Vector F(p.size());
-    return residual<Dim, N>(s, p, F, nullptr) / std::max(s.norm_q, kTiny);
+template <int Dim>
+double relative_residual(const Scaled<Dim, 0>& s, const std::vector<double>& p) {
+    std::vector<double> F(p.size());
+    return residual<Dim, 0>(s, p, F, nullptr) / std::max(s.norm_q, kTiny);
 }
 
 /// Continuation in compliance: contacts made soft by a share of their own diagonal are nearly independent, Newton then finds the solution
 /// from anywhere; the compliance is lowered to nothing while Newton follows.
-template <int Dim, int N>
-typename Scaled<Dim, N>::Vector follow_compliance(const Scaled<Dim, N>& s, double compliance, const ContactSolverSettings& settings, int& newton_used) {
-    Scaled<Dim, N> soft = s;
-    typename Scaled<Dim, N>::Vector p = Scaled<Dim, N>::Vector::Zero(s.q.size());
-    soft.W.diagonal() = s.W.diagonal() * (1.0 + compliance);
-    start_together<Dim, N>(soft, p);
+template <int Dim>
+std::vector<double> follow_compliance(const Scaled<Dim, 0>& s, double compliance, const ContactSolverSettings& settings, int& newton_used) {
+    Scaled<Dim, 0> soft = s;
+    auto soften = [&] {
+        for (std::size_t i = 0; i < s.W.size(); i += s.size() + 1) soft.W[i] = s.W[i] * (1.0 + compliance);
+    };
+    std::vector<double> p;
+    soften();
+    start_together<Dim, 0>(soft, p);
     for (; compliance > 1e-7; compliance *= 0.4) {
-        soft.W.diagonal() = s.W.diagonal() * (1.0 + compliance);
-        newton<Dim, N>(soft, 1e-6, settings.newton_iterations, p, newton_used);
+        soften();
+        newton<Dim, 0>(soft, 1e-6, settings.newton_iterations, p, newton_used);
     }
-    newton<Dim, N>(s, settings.tolerance, settings.newton_iterations, p, newton_used);
+    newton<Dim, 0>(s, settings.tolerance, settings.newton_iterations, p, newton_used);
     return p;
 }
 
+/// What Newton alone has left unsolved; `best` is where it got to.
 template <int Dim>
-ContactSolverReport solve_single(const ContactProblem<Dim>& problem, const ContactSolverSettings& settings, Eigen::VectorXd& impulse) {
-    using S = Scaled<Dim, kLocalSize<Dim>>;
-    ContactSolverReport report;
-    const S s(problem);
-    const typename S::Vector guess = impulse.cwiseQuotient(s.scale);
-    typename S::Vector p = solve_one<Dim>(s, settings.tolerance, guess, report.newton_iterations, report.residual);
-    clip_to_cone<Dim, kLocalSize<Dim>>(s, p);
-    impulse = s.scale.cwiseProduct(p);
-    report.status = report.residual <= settings.tolerance ? SolverStatus::Converged : SolverStatus::NotConverged;
-    return report;
-}
-
-template <int Dim, int N>
-ContactSolverReport solve_several(const ContactProblem<Dim>& problem, const ContactSolverSettings& settings, Eigen::VectorXd& impulse) {
-    using S = Scaled<Dim, N>;
-    ContactSolverReport report;
-    const S s(problem);
-    typename S::Vector p = impulse.cwiseQuotient(s.scale);
-    if (p.squaredNorm() == 0.0) {
-        start_together<Dim, N>(s, p);  // sorts out most of the contact states
-        ++report.sweeps;
-    }
-    report.residual = newton<Dim, N>(s, settings.tolerance, settings.newton_iterations, p, report.newton_iterations);
-    typename S::Vector best = p;
-    auto keep_if_better = [&](const typename S::Vector& candidate, double achieved) {
+void solve_hard(const Scaled<Dim, 0>& s, const ContactSolverSettings& settings, std::vector<double>& best, ContactSolverReport& report) {
+    std::vector<double> p;
+    auto keep_if_better = [&](double achieved) {
         if (!(achieved < report.residual)) return;
         report.residual = achieved;
-        best = candidate;
+        best = p;
     };
     for (const double first_compliance : {1.0, 30.0, 0.03}) {
-        if (report.residual <= settings.tolerance) break;
-        p = follow_compliance<Dim, N>(s, first_compliance, settings, report.newton_iterations);
-        keep_if_better(p, relative_residual<Dim, N>(s, p));
+        if (report.residual <= settings.tolerance) return;
+        p = follow_compliance<Dim>(s, first_compliance, settings, report.newton_iterations);
+        keep_if_better(relative_residual<Dim>(s, p));
     }
     // one contact carries all: the right start where two nearly coincide
-    for (int c = 0; c < problem.count && report.residual > settings.tolerance; ++c) {
-        p.setZero();
-        relax_contact<Dim, N>(s, c, p);
-        const double achieved = newton<Dim, N>(s, settings.tolerance, settings.newton_iterations, p, report.newton_iterations);
-        keep_if_better(p, achieved);
+    for (std::size_t c = 0; c < s.count() && report.residual > settings.tolerance; ++c) {
+        p = s.vector();
+        relax_contact<Dim, 0>(s, c, p);
+        keep_if_better(newton<Dim, 0>(s, settings.tolerance, settings.newton_iterations, p, report.newton_iterations));
     }
     // Newton again after 1, 2, 4, ... sweeps from where the sweeps are
     for (int next = 1; report.residual > settings.tolerance && report.sweeps < settings.sweeps; next *= 2) {
         p = best;
-        clip_to_cone<Dim, N>(s, p);
-        for (int k = 0; k < next && report.sweeps < settings.sweeps; ++k, ++report.sweeps) sweep<Dim, N>(s, p);
-        keep_if_better(p, relative_residual<Dim, N>(s, p));
-        const double achieved = newton<Dim, N>(s, settings.tolerance, settings.newton_iterations, p, report.newton_iterations);
-        keep_if_better(p, achieved);
+        clip_to_cone<Dim, 0>(s, p);
+        for (int k = 0; k < next && report.sweeps < settings.sweeps; ++k, ++report.sweeps) sweep<Dim>(s, p);
+        keep_if_better(relative_residual<Dim>(s, p));
+        keep_if_better(newton<Dim, 0>(s, settings.tolerance, settings.newton_iterations, p, report.newton_iterations));
     }
-    p = best;
-    clip_to_cone<Dim, N>(s, p);
-    impulse = s.scale.cwiseProduct(p);
+}
+
+template <int Dim, int C>
+ContactSolverReport solve(const ContactProblem<Dim>& problem, const ContactSolverSettings& settings, Eigen::VectorXd& impulse) {
+    const Scaled<Dim, C> s(problem);
+    auto p = s.scaled_impulse(impulse);
+    ContactSolverReport report;
+    if constexpr (C == 1) {
+        const auto guess = p;
+        p = solve_one<Dim>(s, settings.tolerance, guess, report.newton_iterations, report.residual);
+    } else {
+        if (norm(p) == 0.0) {
+            start_together<Dim, C>(s, p);  // sorts out most of the contact states
+            ++report.sweeps;
+        }
+        report.residual = newton<Dim, C>(s, settings.tolerance, settings.newton_iterations, p, report.newton_iterations);
+        if (report.residual > settings.tolerance) {
+            std::vector<double> best(p.begin(), p.end());
+            solve_hard<Dim>(Scaled<Dim, 0>(problem), settings, best, report);
+            std::copy(best.begin(), best.end(), p.begin());
+        }
+    }
+    clip_to_cone<Dim, C>(s, p);
+    s.set_impulse(p, impulse);
     report.status = report.residual <= settings.tolerance ? SolverStatus::Converged : SolverStatus::NotConverged;
     return report;
 }
@@ -430,19 +479,19 @@ ContactSolverReport solve_several(const ContactProblem<Dim>& problem, const Cont
 template <int Dim>
 ContactSolverReport solve_contacts(const ContactProblem<Dim>& problem, const ContactSolverSettings& settings, Eigen::VectorXd& impulse) {
     SCREE_ASSERT(impulse.size() == problem.free_velocity.size());
-    if (problem.count == 0) return {SolverStatus::Converged, 0, 0, 0.0};
-    constexpr int L = kLocalSize<Dim>;
     switch (problem.count) {  // sizes known to the compiler for the cases that matter
-        case 1: return solve_single<Dim>(problem, settings, impulse);
-        case 2: return solve_several<Dim, 2 * L>(problem, settings, impulse);
-        case 3: return solve_several<Dim, 3 * L>(problem, settings, impulse);
-        case 4: return solve_several<Dim, 4 * L>(problem, settings, impulse);
-        default: return solve_several<Dim, Dynamic>(problem, settings, impulse);
+        case 0: return {SolverStatus::Converged, 0, 0, 0.0};
+        case 1: return solve<Dim, 1>(problem, settings, impulse);
+        case 2: return solve<Dim, 2>(problem, settings, impulse);
+        case 3: return solve<Dim, 3>(problem, settings, impulse);
+        case 4: return solve<Dim, 4>(problem, settings, impulse);
+        default: return solve<Dim, 0>(problem, settings, impulse);
     }
 }
 
 template <int Dim>
-Eigen::Matrix<double, kLocalSize<Dim>, 1> project_on_cone(const Eigen::Matrix<double, kLocalSize<Dim>, 1>& p, double mu, double mu_r) {
+Eigen::Matrix<double, kLocalSize<Dim>, 1> project_on_cone(const Eigen::Matrix<double, kLocalSize<Dim>, 1>& p, double mu,
+                                                          double mu_r) {
     constexpr int T = Dim - 1;
     // min over x >= 0 of (x - p_N)^2 + (|p_T| - mu x)+^2 + (|p_R| - mu_r x)+^2: its derivative is increasing and piecewise linear
     const double t = p.template segment<T>(1).norm(), m = p.template segment<T>(1 + T).norm();
@@ -454,7 +503,8 @@ Eigen::Matrix<double, kLocalSize<Dim>, 1> project_on_cone(const Eigen::Matrix<do
         for (const bool rolls : {true, false}) {
             const double candidate = std::max(0.0, (p[0] + (slides ? mu * t : 0.0) + (rolls ? mu_r * m : 0.0)) /
                                                        (1.0 + (slides ? mu * mu : 0.0) + (rolls ? mu_r * mu_r : 0.0)));
-            const double dn = candidate - p[0], dt = std::max(t - mu * candidate, 0.0), dm = std::max(m - mu_r * candidate, 0.0);
+            const double dn = candidate - p[0], dt = std::max(t - mu * candidate, 0.0),
+                         dm = std::max(m - mu_r * candidate, 0.0);
             const double objective = dn * dn + dt * dt + dm * dm;
             if (objective < least) {
                 least = objective;
@@ -471,27 +521,25 @@ Eigen::Matrix<double, kLocalSize<Dim>, 1> project_on_cone(const Eigen::Matrix<do
 
 template <int Dim>
 double natural_map_residual(const ContactProblem<Dim>& problem, const Eigen::VectorXd& impulse) {
-    constexpr int T = Dim - 1;
-    constexpr int L = kLocalSize<Dim>;
-    using Local = Eigen::Matrix<double, L, 1>;
-    const Scaled<Dim, Dynamic> s(problem);
-    const Eigen::VectorXd p = impulse.cwiseQuotient(s.scale);
-    const Eigen::VectorXd u = s.W * p + s.q;
+    constexpr std::size_t T = Dim - 1, L = kLocalSize<Dim>;
+    const Scaled<Dim, 0> s(problem);
+    const std::vector<double> p = s.scaled_impulse(impulse), u = s.velocity(p);
     double sum = 0.0;
-    for (int c = 0; c < problem.count; ++c) {
-        const double mu = s.mu[c], mu_r = s.mu_r[c];
-        const Local pc = p.segment(c * L, L);
-        Local y = pc - u.segment(c * L, L);
-        y[0] -= mu * u.template segment<T>(c * L + 1).norm() + mu_r * u.template segment<T>(c * L + 1 + T).norm();
-        sum += (pc - project_on_cone<Dim>(y, mu, mu_r)).squaredNorm();
+    for (std::size_t c = 0; c < s.count(); ++c) {
+        const Eigen::Map<const Eigen::Matrix<double, kLocalSize<Dim>, 1>> pc(&p[c * L]), uc(&u[c * L]);
+        Eigen::Matrix<double, kLocalSize<Dim>, 1> y = pc - uc;
+        y[0] -= s.mu[c] * length<T>(&u[c * L + 1]) + s.mu_r[c] * length<T>(&u[c * L + 1 + T]);
+        sum += (pc - project_on_cone<Dim>(y, s.mu[c], s.mu_r[c])).squaredNorm();
     }
     return std::sqrt(sum) / std::max(s.norm_q, kTiny);
 }
 
 template struct ContactProblem<2>;
 template struct ContactProblem<3>;
-template ContactSolverReport solve_contacts<2>(const ContactProblem<2>&, const ContactSolverSettings&, Eigen::VectorXd&);
-template ContactSolverReport solve_contacts<3>(const ContactProblem<3>&, const ContactSolverSettings&, Eigen::VectorXd&);
+template ContactSolverReport solve_contacts<2>(const ContactProblem<2>&, const ContactSolverSettings&,
+                                               Eigen::VectorXd&);
+template ContactSolverReport solve_contacts<3>(const ContactProblem<3>&, const ContactSolverSettings&,
+                                               Eigen::VectorXd&);
 template Eigen::Matrix<double, 3, 1> project_on_cone<2>(const Eigen::Matrix<double, 3, 1>&, double, double);
 template Eigen::Matrix<double, 5, 1> project_on_cone<3>(const Eigen::Matrix<double, 5, 1>&, double, double);
 template double natural_map_residual<2>(const ContactProblem<2>&, const Eigen::VectorXd&);

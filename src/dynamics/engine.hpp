@@ -306,6 +306,7 @@ private:
             const double factor = kinetic > rise ? std::sqrt((kinetic - rise) / kinetic) : 0.0;
             state_.velocity *= factor;
             state_.spin *= factor;
+            if (kinetic < rise) state_.position[Dim - 1] -= (rise - kinetic) / weight;  // micrometres
             rise = energy(state_) - energy_before;
         }
         end_.counters.largest_energy_rise = std::max(end_.counters.largest_energy_rise, rise / weight);
@@ -313,7 +314,16 @@ private:
 
     /// A block rests when it hardly moves and when, from rest, its weight would not move it; and this for the rest time. Turning about the normal of the
     /// contact that carries most of the weight is no motion in either sense: the law does not resist it, and the block gets nowhere by it.
+    ///
+    /// A top that stands on one vertex precesses and nothing in the law slows it: a block whose centre of mass has stayed in place for long rests too.
     void look_for_rest(double h) {
+        if ((state_.position - place_).norm() > kPlaceShare * finder_.radius()) {
+            place_ = state_.position;
+            in_place_since_ = time_;
+        } else if (time_ - in_place_since_ >= kPlaceTime) {
+            ++end_.counters.rested_turning;
+            finish(StopReason::AtRest);
+        }
         if (closed_.empty() || !hardly_moves() || !in_equilibrium()) {
             still_ = 0.0;
             return;
@@ -466,6 +476,8 @@ private:
     static constexpr double kSameNormal = 1e-6;         ///< 1 - cosine below which two facets hold a vertex alike [-]
     static constexpr double kSamePlace = 0.02;          ///< of the radius: contacts closer than this are at one place [-]
     static constexpr double kEquilibriumShare = 1e-3;   ///< acceleration from rest, as a share of gravity, that counts as none [-]
+    static constexpr double kPlaceShare = 0.05;         ///< of the radius: a centre of mass that moves less stays in place [-]
+    static constexpr double kPlaceTime = 5.0;           ///< in place for so long is rest, whatever still turns [s]
     static constexpr int kImpactsInARow = 1000;         ///< impacts at one moment: beyond, something is wrong
     static constexpr std::int64_t kMostTurns = 50'000'000;
 
@@ -478,6 +490,8 @@ private:
     State state_;
     double time_ = 0.0;
     double still_ = 0.0;  ///< time in equilibrium [s]
+    Vec place_ = Vec::Constant(kInfinity);  ///< where the centre of mass has stayed of late [m]
+    double in_place_since_ = 0.0;           ///< [s]
     int impacts_in_a_row_ = 0;
     std::int64_t turns_ = 0;
     bool finished_ = false;

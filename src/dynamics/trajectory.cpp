@@ -23,6 +23,7 @@ void TrajectoryCounters::merge(const TrajectoryCounters& o) {
     contact_problems += o.contact_problems;
     unconverged_problems += o.unconverged_problems;
     restitution_capped += o.restitution_capped;
+    rested_turning += o.rested_turning;
     energy_capped += o.energy_capped;
     largest_rise_taken_back = std::max(largest_rise_taken_back, o.largest_rise_taken_back);
     largest_energy_rise = std::max(largest_energy_rise, o.largest_energy_rise);

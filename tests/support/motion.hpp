@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include "dynamics/engine.hpp"
 #include "scree/dynamics/trajectory.hpp"
 
 #include <algorithm>
@@ -20,7 +19,8 @@ public:
 
     /// The segment during which the time lies; the last one after the end.
     const MotionSegment<Dim>& at(double time) const {
-        const auto next = std::upper_bound(segments_.begin(), segments_.end(), time, [](double t, const MotionSegment<Dim>& s) { return t < s.start; });
+        const auto next = std::upper_bound(segments_.begin(), segments_.end(), time,
+                                           [](double t, const MotionSegment<Dim>& s) { return t < s.start; });
         return next == segments_.begin() ? segments_.front() : *(next - 1);
     }
     Vec position(double time) const {
@@ -33,29 +33,15 @@ public:
         const double t = std::clamp(time - s.start, 0.0, s.duration);
         return s.velocity_start + t / s.duration * (s.velocity_end - s.velocity_start);
     }
-    static Vec end_position(const MotionSegment<Dim>& s) { return s.position + 0.5 * s.duration * (s.velocity_start + s.velocity_end); }
+    static Vec end_position(const MotionSegment<Dim>& s) {
+        return s.position + 0.5 * s.duration * (s.velocity_start + s.velocity_end);
+    }
 
 private:
     std::vector<MotionSegment<Dim>> segments_;
 };
 
-/// A block's mechanics in one place, to be run with varying settings; with any finder of contacts.
-template <class Contacts>
-struct Mechanics {
-    BodyInertia<3> body;
-    Contacts& contacts;
-    std::vector<Soil> soils;
-    DynamicsSettings settings;
-
-    TrajectoryEnd<3> until(double time, const BlockState<3>& release, MotionSink<3>* sink = nullptr) const {
-        DynamicsSettings limited = settings;
-        limited.time_limit = time;
-        Engine<3, Contacts> engine(body, contacts, soils, limited, sink);
-        return engine.run(release);
-    }
-};
-
-/// The same for a hull on a terrain, through the public function.
+/// A hull on a terrain in one place, to be run with varying settings.
 struct HullMechanics {
     const ConvexBlock& block;
     const Surface& surface;
@@ -71,9 +57,11 @@ struct HullMechanics {
 
 /// States every `interval` seconds, in moreau_jean mode: that scheme has no memory, so that a run may stop and go on.
 template <class AnyMechanics>
-std::vector<BlockState<3>> march(const AnyMechanics& mechanics, const BlockState<3>& release, double interval, std::size_t count) {
+std::vector<BlockState<3>> march(const AnyMechanics& mechanics, const BlockState<3>& release, double interval,
+                                 std::size_t count) {
     std::vector<BlockState<3>> states{release};
-    while (states.size() < count) states.push_back(mechanics.until(interval - 0.5 * mechanics.settings.time_step, states.back()).state);
+    while (states.size() < count)
+        states.push_back(mechanics.until(interval - 0.5 * mechanics.settings.time_step, states.back()).state);
     return states;
 }
 

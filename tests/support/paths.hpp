@@ -40,6 +40,6 @@ private:
 }  // namespace scree::test
 
 /// Skips the test where the shared data are absent.
-#define SCREE_SHARED_OR_SKIP(variable, relative)                                              \
-    const std::filesystem::path variable = ::scree::test::shared_data(relative);              \
+#define SCREE_SHARED_OR_SKIP(variable, relative)                                 \
+    const std::filesystem::path variable = ::scree::test::shared_data(relative); \
     if (variable.empty()) GTEST_SKIP() << "shared data not found: " << relative

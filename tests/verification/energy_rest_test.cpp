@@ -170,6 +170,20 @@ TEST_P(Rest, SpinningOnAVertexIsRest) {
     EXPECT_NEAR((end.state.orientation * end.state.spin).z(), 3.0, 1e-2);
 }
 
+// Held up by its spin alone, off the vertical: it precesses, which the law does not slow, and stays in place.
+TEST_P(Rest, ATopThatPrecessesInPlaceRests) {
+    const FramedBlock top({{0.5, 0, 0}, {-0.5, 0, 0}, {0, 0.5, 0}, {0, -0.5, 0}, {0, 0, 0.2}, {0, 0, -0.2}}, 300.0);
+    const auto surface = inclined_plane(0.0, 5.0);
+    BlockState<3> release;
+    release.orientation = Quat(Eigen::AngleAxisd(0.02, Vec3::UnitX()));
+    release.position = {0.3, 0.2, 0.2 * std::cos(0.02)};
+    release.spin = {0.0, 0.0, 25.0};
+    const TrajectoryEnd<3> end = HullMechanics{top.block, *surface, {Soil{"flat", 0.0, 0.5, 0.0}}, settings()}.until(30.0, top.to_block(release));
+    EXPECT_EQ(end.reason, StopReason::AtRest);
+    EXPECT_EQ(end.counters.rested_turning, 1);
+    EXPECT_GT(end.state.spin.norm(), 20.0);
+}
+
 // A plateau that ends at x = 0 with a drop of 45 degrees: with its centre beyond the crest by more than mu_r the cube tips over.
 TEST_P(Rest, NotBeyondACrest) {
     const auto surface = grid_terrain(20.0, 1.0, [](double x, double) { return -std::max(x, 0.0); });

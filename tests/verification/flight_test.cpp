@@ -4,6 +4,7 @@
 #include "support/paths.hpp"
 #include "support/reference.hpp"
 #include "support/scenes.hpp"
+#include "support/sphere.hpp"
 
 #include <gtest/gtest.h>
 
@@ -24,20 +25,6 @@ BlockState<3> tumbling() {
     return s;
 }
 
-/// Nothing within reach.
-struct NoTerrain {
-    void detect(const Vec3&, const Mat3&, double, std::vector<Contact<3>>& contacts) const { contacts.clear(); }
-    double clearance(const Vec3&, const Mat3&) const { return kInfinity; }
-    double free_time(const BlockState<3>&, double, double, double& gap) const {
-        gap = kInfinity;
-        return 0.25;
-    }
-    bool over_terrain(const Vec3&) const { return true; }
-    bool beyond_rim() const { return false; }
-    double radius() const { return 0.5; }
-    double inner_radius() const { return 0.2; }
-};
-
 BlockState<3> rotated(double longest, double time) {
     BlockState<3> s = tumbling();
     rotate_freely(kBlock0.moment, longest, time, s.orientation, s.spin);
@@ -49,9 +36,9 @@ Vec3 angular_momentum(const BlockState<3>& s) { return s.orientation * kBlock0.m
 }  // namespace
 
 TEST(Flight, ParabolaIsExact) {
-    NoTerrain nothing;
+    SphereOnPlane far_below(0.5, Vec3::UnitZ());
     DynamicsSettings settings;
-    const Mechanics<NoTerrain> run{kBlock0, nothing, {Soil{}}, settings};
+    const SphereMechanics run{kBlock0, far_below, {Soil{}}, settings};
     MotionRecorder<3> motion;
     const double time = 3.7;
     const BlockState<3> release = tumbling();
@@ -102,8 +89,8 @@ TEST(Flight, AgreesWithReferenceTumble) {
     SCREE_SHARED_OR_SKIP(folder, "reference");
     const ReferenceCase reference(folder, "d1_free_tumble");
     const auto rows = reference.path();
-    NoTerrain nothing;
-    const Mechanics<NoTerrain> paper{kBlock0, nothing, {Soil{}}, reference_settings()};
+    SphereOnPlane far_below(0.5, Vec3::UnitZ());
+    const SphereMechanics paper{kBlock0, far_below, {Soil{}}, reference_settings()};
     const auto states = march(paper, rows.front().state, rows[1].time, rows.size());
     StateDeviation same_scheme, exact_flight;
     for (std::size_t k = 0; k < rows.size(); ++k) {

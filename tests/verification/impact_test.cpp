@@ -5,6 +5,7 @@
 #include "support/paths.hpp"
 #include "support/reference.hpp"
 #include "support/scenes.hpp"
+#include "support/sphere.hpp"
 
 #include <gtest/gtest.h>
 
@@ -57,7 +58,7 @@ TEST_P(ImpactReference, FirstImpactAndAfter) {
     const std::vector<Soil> soils{Soil{"plane", reference.number("e"), reference.number("mu"), reference.number("mu_r")}};
     if (std::string(GetParam().name).find("sphere") != std::string::npos) {
         SphereOnPlane plane(kRadius, Vec3::UnitZ());
-        const Mechanics<SphereOnPlane> run{sphere_inertia(kRadius), plane, soils, reference_settings()};
+        const SphereMechanics run{sphere_inertia(kRadius), plane, soils, reference_settings()};
         compare(run, reference, [](const BlockState<3>& s, bool) { return s; }, run.body.mass);
     } else {
         const FramedBlock body = cube();
@@ -91,7 +92,7 @@ struct SphereDrop {
         BlockState<3> release = on_plane(0.0, kRadius + kDrop);
         release.velocity = velocity;
         release.spin = spin;
-        end = Mechanics<SphereOnPlane>{sphere_inertia(kRadius), plane, {soil}, settings}.until(time, release, &motion);
+        end = SphereMechanics{sphere_inertia(kRadius), plane, {soil}, settings}.until(time, release, &motion);
     }
 };
 

@@ -32,7 +32,6 @@ class Invariance : public testing::TestWithParam<SteppingMode> {
 protected:
     DynamicsSettings settings() const {
         DynamicsSettings s = tight_settings(GetParam());
-        s.solver.tolerance = 1e-12;
         s.activation_gap = kActivationGap;
         return s;
     }

@@ -4,6 +4,7 @@
 #include "support/paths.hpp"
 #include "support/reference.hpp"
 #include "support/scenes.hpp"
+#include "support/sphere.hpp"
 
 #include <gtest/gtest.h>
 
@@ -23,7 +24,7 @@ constexpr double kInside = 1e-6;
 constexpr double kClosedForm = 1e-7;  ///< [m, m/s, rad/s]
 constexpr double g = kStandardGravity;
 
-Mechanics<SphereOnPlane> sphere_run(SphereOnPlane& plane, double mu, double mu_r, const DynamicsSettings& settings) {
+SphereMechanics sphere_run(SphereOnPlane& plane, double mu, double mu_r, const DynamicsSettings& settings) {
     return {sphere_inertia(kRadius), plane, {Soil{"plane", 0.0, mu, mu_r}}, settings};
 }
 

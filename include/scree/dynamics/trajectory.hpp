@@ -78,6 +78,7 @@ struct TrajectoryCounters {
     std::int64_t contact_problems = 0;     ///< solved by the contact solver
     std::int64_t unconverged_problems = 0; ///< of them above the solver's tolerance
     std::int64_t restitution_capped = 0;   ///< impacts whose restitution was lowered because it would have created energy (Kane's paradox)
+    std::int64_t rested_turning = 0;       ///< 1 if the block came to rest in place while it still turned, like a top
     std::int64_t energy_capped = 0;        ///< steps whose rise of energy was taken back
     double largest_rise_taken_back = 0.0;  ///< the largest of these rises, as height of fall [m]
     double largest_energy_rise = 0.0;      ///< largest rise of energy that a step or impact was left with, as height of fall [m]
