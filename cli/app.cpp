@@ -29,49 +29,82 @@ struct Command {
 constexpr std::array kCommands{
     Command{"init", "Write a folder with a commented site.toml to fill in", Target::Folder, false, false, run_init},
     Command{"check", "Read and judge every input of a site; nothing is run", Target::Site, false, false, run_check},
-    Command{"terrain", "Write the model terrain as layers: heights, slope, facets with soils", Target::Site, true, false, run_terrain},
+    Command{"terrain", "Write the model terrain as layers: heights, slope, facets with soils", Target::Site, true,
+            false, run_terrain},
     Command{"run", "Throw the blocks of a site and write results for a GIS", Target::Site, true, true, run_run},
-    Command{"settings", "Print the reference manual of all keys of the site file", Target::None, false, false, run_settings},
+    Command{"settings", "Print the reference manual of all keys of the site file", Target::None, false, false,
+            run_settings},
 };
 
 const Command* find_command(const std::string& name) {
-    const auto found = std::find_if(kCommands.begin(), kCommands.end(), [&](const Command& c) { return c.name == name; });
+    const auto found =
+        std::find_if(kCommands.begin(), kCommands.end(), [&](const Command& c) { return c.name == name; });
     return found == kCommands.end() ? nullptr : &*found;
 }
 
 /// Empty if the text is section.key=value; otherwise what is wrong with it.
 std::string is_change(const std::string& text) {
     const auto equals = text.find('='), dot = text.find('.');
-    return equals == std::string::npos || dot == std::string::npos || dot > equals ? text + " is not of the form section.key=value, such as terrain.resolution=2" : "";
+    return equals == std::string::npos || dot == std::string::npos || dot > equals
+               ? text + " is not of the form section.key=value, such as terrain.resolution=2"
+               : "";
 }
 
 void add_options(CLI::App& sub, const Command& command, Context& context) {
     if (command.target == Target::Site) {
         sub.add_option("SITE", context.target, "Site file (site.toml)")->type_name("")->required();
-        sub.add_option("--set", context.changes, "Change a key of the site file for this run: --set release.count=50 (repeatable)")
-            ->type_name("KEY=VALUE")->expected(1)->multi_option_policy(CLI::MultiOptionPolicy::TakeAll)->check(is_change, "");
-        sub.add_option_function<std::int64_t>("--seed", [&](std::int64_t seed) { context.changes.push_back("model.seed=" + std::to_string(seed)); }, "Short for --set model.seed=N")->type_name("N");
+        sub.add_option("--set", context.changes,
+                       "Change a key of the site file for this run: --set release.count=50 (repeatable)")
+            ->type_name("KEY=VALUE")
+            ->expected(1)
+            ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll)
+            ->check(is_change, "");
+        sub.add_option_function<std::int64_t>(
+               "--seed", [&](std::int64_t seed) { context.changes.push_back("model.seed=" + std::to_string(seed)); },
+               "Short for --set model.seed=N")
+            ->type_name("N");
         sub.add_flag("--quiet,-q", context.quiet, "No progress and no summary, only warnings and errors");
     }
-    if (command.target == Target::Folder) sub.add_option("FOLDER", context.target, "Folder of the new site")->type_name("")->required();
+    if (command.target == Target::Folder)
+        sub.add_option("FOLDER", context.target, "Folder of the new site")->type_name("")->required();
     if (command.writes_results) {
-        sub.add_option("--output", context.output, "Folder of the results (default: output.directory of the site file)")->type_name("FOLDER");
+        sub.add_option("--output", context.output, "Folder of the results (default: output.directory of the site file)")
+            ->type_name("FOLDER");
         sub.add_flag("--overwrite", context.overwrite, "Replace results that are there already");
     }
     if (command.computes) {
-        sub.add_option("--threads", context.threads, "Number of threads, 0 (the default) is all cores. Does not change the results")->type_name("N")->check(CLI::Range(0, 1024).description(""));
-        sub.add_option_function<std::string>("--progress", [&](const std::string& style) { context.progress = style == "json" ? ProgressStyle::Json : ProgressStyle::Automatic; },
-                                             "auto, or json: one JSON object a line on the error stream")->type_name("")->check(CLI::IsMember({"auto", "json"}));
+        sub.add_option("--threads", context.threads,
+                       "Number of threads, 0 (the default) is all cores. Does not change the results")
+            ->type_name("N")
+            ->check(CLI::Range(0, 1024).description(""));
+        sub.add_option_function<std::string>(
+               "--progress",
+               [&](const std::string& style) {
+                   context.progress = style == "json" ? ProgressStyle::Json : ProgressStyle::Automatic;
+               },
+               "auto, or json: one JSON object a line on the error stream")
+            ->type_name("")
+            ->check(CLI::IsMember({"auto", "json"}));
     }
-    if (std::string(command.name) == "settings") sub.add_option("--format", context.format, "markdown (the manual; the default) or toml (a site file with all defaults)")->type_name("")->check(CLI::IsMember({"markdown", "toml"}));
+    if (std::string(command.name) == "settings")
+        sub.add_option("--format", context.format,
+                       "markdown (the manual; the default) or toml (a site file with all defaults)")
+            ->type_name("")
+            ->check(CLI::IsMember({"markdown", "toml"}));
 }
 
 ExitCode dispatch(const std::vector<std::string>& args, Context& context) {
-    CLI::App app{"Scree predicts where falling rocks go: rigid blocks of real shape on a georeferenced terrain, results for a GIS.", "scree"};
+    CLI::App app{
+        "Scree predicts where falling rocks go: rigid blocks of real shape on a georeferenced terrain, results for a "
+        "GIS.",
+        "scree"};
     app.set_version_flag("--version", version());
     app.require_subcommand(1);
-    app.footer("A first run: sample_sites/quickstart.sh. Keys of the site file: scree settings. Exit codes: 0 done, 2 usage, 3 bad input, 4 could not compute, 130 interrupted.");
-    for (const Command& command : kCommands) add_options(*app.add_subcommand(command.name, command.description), command, context);
+    app.footer(
+        "A first run: sample_sites/quickstart.sh. Keys of the site file: scree settings. Exit codes: 0 done, 2 usage, "
+        "3 bad input, 4 could not compute, 130 interrupted.");
+    for (const Command& command : kCommands)
+        add_options(*app.add_subcommand(command.name, command.description), command, context);
     std::vector<std::string> reversed(args.rbegin(), args.rend());
     try {
         app.parse(reversed);
@@ -81,9 +114,12 @@ ExitCode dispatch(const std::vector<std::string>& args, Context& context) {
     } catch (const CLI::ParseError& e) {
         const Command* command = args.empty() ? nullptr : find_command(args.front());
         std::string said = e.what();
-        if (args.empty()) said = "no command is given";
-        else if (!command && !args.front().starts_with("-")) said = "there is no command " + args.front();
-        *context.err << "error: " << said << "; see scree " << (command ? std::string(command->name) + " " : "") << "--help\n";
+        if (args.empty())
+            said = "no command is given";
+        else if (!command && !args.front().starts_with("-"))
+            said = "there is no command " + args.front();
+        *context.err << "error: " << said << "; see scree " << (command ? std::string(command->name) + " " : "")
+                     << "--help\n";
         return ExitCode::Usage;
     }
     for (const Command& command : kCommands)
@@ -93,7 +129,9 @@ ExitCode dispatch(const std::vector<std::string>& args, Context& context) {
 
 }  // namespace
 
-std::string version() { return SCREE_VERSION; }
+std::string version() {
+    return SCREE_VERSION;
+}
 
 void print_warnings(const Context& context, const std::vector<std::string>& warnings) {
     std::vector<std::string> seen;
@@ -111,7 +149,9 @@ void warn_of_partial_results(const Context& context, const std::filesystem::path
     const std::string prefix = path.filename().string() + ".partial-";
     for (const auto& entry : fs::directory_iterator(path.parent_path(), ignored))
         if (entry.path().filename().string().starts_with(prefix))
-            *context.err << "warning: " << entry.path().string() << " is what a run left behind that was killed while it wrote, if none is writing now: remove it\n";
+            *context.err
+                << "warning: " << entry.path().string()
+                << " is what a run left behind that was killed while it wrote, if none is writing now: remove it\n";
 }
 
 // The only place that catches: every error becomes one sentence and an exit code.

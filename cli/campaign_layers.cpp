@@ -16,16 +16,24 @@ using gis::RasterTheme;
 
 constexpr double kJoulePerKj = 1000.0;
 
-Field integer(std::string name, std::string alias) { return {std::move(name), FieldType::Integer, std::move(alias)}; }
-Field real(std::string name, std::string alias) { return {std::move(name), FieldType::Real, std::move(alias)}; }
-Field text(std::string name, std::string alias) { return {std::move(name), FieldType::Text, std::move(alias)}; }
+Field integer(std::string name, std::string alias) {
+    return {std::move(name), FieldType::Integer, std::move(alias)};
+}
+Field real(std::string name, std::string alias) {
+    return {std::move(name), FieldType::Real, std::move(alias)};
+}
+Field text(std::string name, std::string alias) {
+    return {std::move(name), FieldType::Text, std::move(alias)};
+}
 
 FieldValue block_id(const SiteModel& model, const BlockResult& b) {
     if (b.row < 0) return std::monostate{};
     return model.campaign.population.list[static_cast<std::size_t>(b.row)].id;
 }
 
-double plan_distance(const BlockResult& b) { return (b.stop - b.release).head<2>().norm(); }
+double plan_distance(const BlockResult& b) {
+    return (b.stop - b.release).head<2>().norm();
+}
 
 gis::VectorLayer stopping_points(const SiteModel& model, const CampaignResult& result) {
     gis::VectorLayer layer;
@@ -33,11 +41,19 @@ gis::VectorLayer stopping_points(const SiteModel& model, const CampaignResult& r
     layer.description = "End of every block thrown, with the reason; z is the height of its centre of mass";
     layer.data.name = "stopping_points";
     layer.data.kind = GeometryKind::Point;
-    layer.data.fields = {integer("block", "Block number"), text("block_id", "Block of the list"), text("stop_reason", "Why it ended"),
-                         real("mass_kg", "Mass [kg]"), real("l1_m", "L1 [m]"), real("l2_m", "L2 [m]"), real("l3_m", "L3 [m]"),
-                         real("runout_m", "Horizontal distance from release [m]"), real("drop_m", "Height lost [m]"),
-                         real("path_m", "Length of the path [m]"), real("time_s", "Time since release [s]"),
-                         real("speed_max_ms", "Largest speed [m/s]"), real("energy_max_kj", "Largest kinetic energy [kJ]"),
+    layer.data.fields = {integer("block", "Block number"),
+                         text("block_id", "Block of the list"),
+                         text("stop_reason", "Why it ended"),
+                         real("mass_kg", "Mass [kg]"),
+                         real("l1_m", "L1 [m]"),
+                         real("l2_m", "L2 [m]"),
+                         real("l3_m", "L3 [m]"),
+                         real("runout_m", "Horizontal distance from release [m]"),
+                         real("drop_m", "Height lost [m]"),
+                         real("path_m", "Length of the path [m]"),
+                         real("time_s", "Time since release [s]"),
+                         real("speed_max_ms", "Largest speed [m/s]"),
+                         real("energy_max_kj", "Largest kinetic energy [kJ]"),
                          integer("release_feature", "Release feature")};
     for (std::size_t k = 0; k < result.blocks.size(); ++k) {
         const BlockResult& b = result.blocks[k];
@@ -45,9 +61,20 @@ gis::VectorLayer stopping_points(const SiteModel& model, const CampaignResult& r
         Feature f;
         f.id = static_cast<std::int64_t>(k) + 1;
         f.geometry = Points{b.stop};
-        f.values = {static_cast<std::int64_t>(k), block_id(model, b), std::string(kStopReasonNames[static_cast<std::size_t>(b.reason)]), b.mass,
-                    b.size.x(), b.size.y(), b.size.z(), plan_distance(b), b.release.z() - b.stop.z(), b.path_length, b.time, b.largest_speed,
-                    b.largest_energy / kJoulePerKj, b.feature};
+        f.values = {static_cast<std::int64_t>(k),
+                    block_id(model, b),
+                    std::string(kStopReasonNames[static_cast<std::size_t>(b.reason)]),
+                    b.mass,
+                    b.size.x(),
+                    b.size.y(),
+                    b.size.z(),
+                    plan_distance(b),
+                    b.release.z() - b.stop.z(),
+                    b.path_length,
+                    b.time,
+                    b.largest_speed,
+                    b.largest_energy / kJoulePerKj,
+                    b.feature};
         layer.data.features.push_back(std::move(f));
     }
     return layer;
@@ -59,8 +86,9 @@ gis::VectorLayer release_points(const SiteModel& model, const CampaignResult& re
     layer.description = "Centre of mass of every block at the start";
     layer.data.name = "release_points";
     layer.data.kind = GeometryKind::Point;
-    layer.data.fields = {integer("block", "Block number"), text("block_id", "Block of the list"), real("mass_kg", "Mass [kg]"),
-                         real("raised_m", "Lifted to start free of the ground [m]"), integer("release_feature", "Release feature")};
+    layer.data.fields = {integer("block", "Block number"), text("block_id", "Block of the list"),
+                         real("mass_kg", "Mass [kg]"), real("raised_m", "Lifted to start free of the ground [m]"),
+                         integer("release_feature", "Release feature")};
     layer.visible = false;
     for (std::size_t k = 0; k < result.blocks.size(); ++k) {
         const BlockResult& b = result.blocks[k];
@@ -81,16 +109,23 @@ gis::VectorLayer trajectories(const SiteModel& model, const CampaignResult& resu
     layer.coordinates = Coordinates::XYZM;
     layer.data.name = "trajectories";
     layer.data.kind = GeometryKind::LineString;
-    layer.data.fields = {integer("block", "Block number"), text("block_id", "Block of the list"), text("stop_reason", "Why it ended"), real("mass_kg", "Mass [kg]"),
-                         real("speed_max_ms", "Largest speed [m/s]"), real("energy_max_kj", "Largest kinetic energy [kJ]"), real("runout_m", "Horizontal distance from release [m]")};
+    layer.data.fields = {integer("block", "Block number"),
+                         text("block_id", "Block of the list"),
+                         text("stop_reason", "Why it ended"),
+                         real("mass_kg", "Mass [kg]"),
+                         real("speed_max_ms", "Largest speed [m/s]"),
+                         real("energy_max_kj", "Largest kinetic energy [kJ]"),
+                         real("runout_m", "Horizontal distance from release [m]")};
     for (const KeptTrajectory& t : result.trajectories) {
         if (t.points.size() < 2) continue;
         const BlockResult& b = result.blocks[static_cast<std::size_t>(t.block)];
         Feature f;
         f.id = t.block + 1;
         f.geometry = Polylines{Polyline{t.points, t.times}};
-        f.values = {t.block, block_id(model, b), std::string(kStopReasonNames[static_cast<std::size_t>(b.reason)]), b.mass, b.largest_speed,
-                    b.largest_energy / kJoulePerKj, plan_distance(b)};
+        f.values = {
+            t.block,         block_id(model, b), std::string(kStopReasonNames[static_cast<std::size_t>(b.reason)]),
+            b.mass,          b.largest_speed,    b.largest_energy / kJoulePerKj,
+            plan_distance(b)};
         layer.data.features.push_back(std::move(f));
     }
     return layer;
@@ -102,9 +137,16 @@ gis::VectorLayer screen_crossings(const SiteModel& model, const CampaignResult& 
     layer.description = "First crossing of each screen by each block";
     layer.data.name = "screen_crossings";
     layer.data.kind = GeometryKind::Point;
-    layer.data.fields = {text("screen", "Screen"), integer("block", "Block number"), text("block_id", "Block of the list"), real("mass_kg", "Mass [kg]"),
-                         real("speed_ms", "Speed [m/s]"), real("height_m", "Centre of mass above ground [m]"), real("spin_rads", "Spin [rad/s]"),
-                         real("energy_kj", "Kinetic energy [kJ]"), real("time_s", "Time since release [s]"), real("azimuth_deg", "Direction of motion [deg]")};
+    layer.data.fields = {text("screen", "Screen"),
+                         integer("block", "Block number"),
+                         text("block_id", "Block of the list"),
+                         real("mass_kg", "Mass [kg]"),
+                         real("speed_ms", "Speed [m/s]"),
+                         real("height_m", "Centre of mass above ground [m]"),
+                         real("spin_rads", "Spin [rad/s]"),
+                         real("energy_kj", "Kinetic energy [kJ]"),
+                         real("time_s", "Time since release [s]"),
+                         real("azimuth_deg", "Direction of motion [deg]")};
     std::int64_t id = 0;
     for (const ScreenCrossing& c : result.crossings) {
         const BlockResult& b = result.blocks[static_cast<std::size_t>(c.block)];
@@ -112,8 +154,16 @@ gis::VectorLayer screen_crossings(const SiteModel& model, const CampaignResult& 
         f.id = ++id;
         f.geometry = Points{c.position};
         const double azimuth = degrees_from_radians(std::atan2(c.velocity.x(), c.velocity.y()));
-        f.values = {model.campaign.screens[static_cast<std::size_t>(c.screen)].name, c.block, block_id(model, b), b.mass, c.velocity.norm(), c.height, c.spin,
-                    c.energy / kJoulePerKj, c.time, azimuth < 0.0 ? azimuth + 360.0 : azimuth};
+        f.values = {model.campaign.screens[static_cast<std::size_t>(c.screen)].name,
+                    c.block,
+                    block_id(model, b),
+                    b.mass,
+                    c.velocity.norm(),
+                    c.height,
+                    c.spin,
+                    c.energy / kJoulePerKj,
+                    c.time,
+                    azimuth < 0.0 ? azimuth + 360.0 : azimuth};
         layer.data.features.push_back(std::move(f));
     }
     return layer;
@@ -122,19 +172,31 @@ gis::VectorLayer screen_crossings(const SiteModel& model, const CampaignResult& 
 gis::VectorLayer deposit_zones(const SiteModel& model, const CampaignResult& result) {
     gis::VectorLayer layer;
     layer.title = "Deposit zones";
-    layer.description = "Blocks at rest in each zone, their share of all blocks thrown, and the 95 % interval of that share (Wilson)";
+    layer.description =
+        "Blocks at rest in each zone, their share of all blocks thrown, and the 95 % interval of that share (Wilson)";
     layer.coordinates = Coordinates::XY;
     layer.data.name = "deposit_zones";
     layer.data.kind = GeometryKind::Polygon;
-    layer.data.fields = {text("name", "Zone"), integer("count", "Blocks at rest"), integer("released", "Blocks thrown"), real("percent", "Share [%]"),
-                         real("percent_low", "Share, lower limit [%]"), real("percent_high", "Share, upper limit [%]")};
+    layer.data.fields = {text("name", "Zone"),
+                         integer("count", "Blocks at rest"),
+                         integer("released", "Blocks thrown"),
+                         real("percent", "Share [%]"),
+                         real("percent_low", "Share, lower limit [%]"),
+                         real("percent_high", "Share, upper limit [%]")};
     for (std::size_t z = 0; z < result.deposits.size(); ++z) {
         const auto [low, high] = wilson_interval(result.deposits[z].count, result.released);
         Feature f;
         f.id = static_cast<std::int64_t>(z) + 1;
         f.geometry = model.deposit_zones->layer.features[z].geometry;
-        const double share = result.released > 0 ? static_cast<double>(result.deposits[z].count) / static_cast<double>(result.released) : 0.0;
-        f.values = {result.deposits[z].name, result.deposits[z].count, result.released, 100.0 * share, 100.0 * low, 100.0 * high};
+        const double share = result.released > 0
+                                 ? static_cast<double>(result.deposits[z].count) / static_cast<double>(result.released)
+                                 : 0.0;
+        f.values = {result.deposits[z].name,
+                    result.deposits[z].count,
+                    result.released,
+                    100.0 * share,
+                    100.0 * low,
+                    100.0 * high};
         layer.data.features.push_back(std::move(f));
     }
     return layer;
@@ -151,8 +213,10 @@ struct QuantityInfo {
     RasterTheme theme;
 };
 constexpr QuantityInfo kQuantities[] = {
-    {CellQuantity::KineticEnergy, "energy_kj", "Kinetic energy", "kJ", "kinetic energy, translation and rotation", 1.0 / kJoulePerKj, RasterTheme::Energy},
-    {CellQuantity::PassingHeight, "height_m", "Passing height", "m", "height of the centre of mass above the terrain, vertically", 1.0, RasterTheme::Height},
+    {CellQuantity::KineticEnergy, "energy_kj", "Kinetic energy", "kJ", "kinetic energy, translation and rotation",
+     1.0 / kJoulePerKj, RasterTheme::Energy},
+    {CellQuantity::PassingHeight, "height_m", "Passing height", "m",
+     "height of the centre of mass above the terrain, vertically", 1.0, RasterTheme::Height},
     {CellQuantity::Speed, "speed_ms", "Speed", "m/s", "speed of the centre of mass", 1.0, RasterTheme::Speed},
     {CellQuantity::Spin, "spin_rads", "Spin", "rad/s", "angular speed", 1.0, RasterTheme::Spin},
 };
@@ -170,8 +234,8 @@ gis::RasterLayer raster(const SiteModel& model, const CampaignResult& result, Va
 }
 
 template <class Value>
-void add_count(std::vector<gis::RasterLayer>& layers, const SiteModel& model, const CampaignResult& result, const char* name, const char* title, const char* definition,
-               RasterTheme theme, Value value) {
+void add_count(std::vector<gis::RasterLayer>& layers, const SiteModel& model, const CampaignResult& result,
+               const char* name, const char* title, const char* definition, RasterTheme theme, Value value) {
     gis::RasterLayer layer = raster(model, result, value);
     layer.name = name;
     layer.title = title;
@@ -188,8 +252,10 @@ std::string plain_name(const std::string& name, std::set<std::string>& taken) {
     std::string plain;
     for (const char c : name) {
         const bool upper = c >= 'A' && c <= 'Z', usable = upper || (c >= 'a' && c <= 'z') || (c >= '0' && c <= '9');
-        if (usable) plain += upper ? static_cast<char>(c - 'A' + 'a') : c;
-        else if (!plain.empty() && plain.back() != '_') plain += '_';
+        if (usable)
+            plain += upper ? static_cast<char>(c - 'A' + 'a') : c;
+        else if (!plain.empty() && plain.back() != '_')
+            plain += '_';
         if (plain.size() == kLongest) break;
     }
     const bool letter_first = !plain.empty() && plain.front() >= 'a' && plain.front() <= 'z';
@@ -221,26 +287,32 @@ std::vector<gis::VectorLayer> campaign_vectors(const SiteModel& model, const Cam
 std::vector<gis::RasterLayer> campaign_rasters(const SiteModel& model, const CampaignResult& result) {
     std::vector<gis::RasterLayer> layers;
     const double released = static_cast<double>(std::max<std::int64_t>(result.released, 1));
-    add_count(layers, model, result, "reach_probability", "Reach probability", "share of the blocks thrown that crossed the cell", RasterTheme::Probability,
+    add_count(layers, model, result, "reach_probability", "Reach probability",
+              "share of the blocks thrown that crossed the cell", RasterTheme::Probability,
               [&](const CellStatistics& c) { return static_cast<double>(c.passages) / released; });
     layers.back().visible = true;
-    add_count(layers, model, result, "passages", "Passages", "blocks that crossed the cell, each counted once", RasterTheme::Count,
-              [](const CellStatistics& c) { return static_cast<double>(c.passages); });
+    add_count(layers, model, result, "passages", "Passages", "blocks that crossed the cell, each counted once",
+              RasterTheme::Count, [](const CellStatistics& c) { return static_cast<double>(c.passages); });
     add_count(layers, model, result, "deposits", "Deposits", "blocks that came to rest in the cell", RasterTheme::Count,
               [](const CellStatistics& c) { return c.deposits > 0 ? static_cast<double>(c.deposits) : kNaN; });
     for (const QuantityInfo& q : kQuantities) {
         const auto k = static_cast<std::size_t>(q.quantity);
         auto add = [&](const std::string& suffix, const std::string& words, auto value) {
-            gis::RasterLayer layer = raster(model, result, [&](const CellStatistics& c) { return c.passages > 0 ? q.factor * value(c.quantities[k], c.passages) : kNaN; });
+            gis::RasterLayer layer = raster(model, result, [&](const CellStatistics& c) {
+                return c.passages > 0 ? q.factor * value(c.quantities[k], c.passages) : kNaN;
+            });
             layer.name = std::string(q.name) + "_" + suffix;
             layer.title = std::string(q.title) + ", " + words;
             layer.unit = q.unit;
-            layer.quantity_definition = words + " over the blocks that crossed the cell, of each block's largest " + q.definition + " inside the cell";
+            layer.quantity_definition = words + " over the blocks that crossed the cell, of each block's largest " +
+                                        q.definition + " inside the cell";
             layer.group = q.title;
             layer.theme = q.theme;
             layers.push_back(std::move(layer));
         };
-        add("mean", "mean", [](const QuantityStatistics& s, std::int64_t n) { return 1e-4 * static_cast<double>(s.sum) / static_cast<double>(n); });
+        add("mean", "mean", [](const QuantityStatistics& s, std::int64_t n) {
+            return 1e-4 * static_cast<double>(s.sum) / static_cast<double>(n);
+        });
         for (const int percent : kPercents)
             add("p" + std::to_string(percent), std::to_string(percent) + " % quantile",
                 [percent](const QuantityStatistics& s, std::int64_t) { return s.histogram.quantile(0.01 * percent); });
@@ -249,11 +321,13 @@ std::vector<gis::RasterLayer> campaign_rasters(const SiteModel& model, const Cam
     return layers;
 }
 
-gis::VectorLayer input_layer(const gis::VectorData& data, const std::string& name, const std::string& title, const std::string& group) {
+gis::VectorLayer input_layer(const gis::VectorData& data, const std::string& name, const std::string& title,
+                             const std::string& group) {
     gis::VectorLayer layer;
     layer.data = data.layer;
     layer.data.name = name;
-    std::set<std::string> taken{"fid", "geom", "run", "layer_styles"};  // names that mean something in a GeoPackage of ours
+    std::set<std::string> taken{"fid", "geom", "run",
+                                "layer_styles"};  // names that mean something in a GeoPackage of ours
     for (Field& field : layer.data.fields) {
         if (field.alias.empty()) field.alias = field.name;
         field.name = plain_name(field.name, taken);

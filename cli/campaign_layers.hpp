@@ -15,6 +15,7 @@ std::vector<gis::VectorLayer> campaign_vectors(const SiteModel& model, const Cam
 std::vector<gis::RasterLayer> campaign_rasters(const SiteModel& model, const CampaignResult& result);
 
 /// A feature layer of the input as a layer of the output: same geometry and fields.
-gis::VectorLayer input_layer(const gis::VectorData& data, const std::string& name, const std::string& title, const std::string& group);
+gis::VectorLayer input_layer(const gis::VectorData& data, const std::string& name, const std::string& title,
+                             const std::string& group);
 
 }  // namespace scree::cli

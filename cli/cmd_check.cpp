@@ -18,7 +18,9 @@ std::string fixed(double value, int digits) {
     return s.str();
 }
 
-std::string crs_text(const std::string& name) { return name.empty() ? "unknown CRS" : name; }
+std::string crs_text(const std::string& name) {
+    return name.empty() ? "unknown CRS" : name;
+}
 
 std::string report_text(const gis::VectorReport& report) {
     std::string text = crs_text(report.crs_name);
@@ -30,41 +32,51 @@ std::string report_text(const gis::VectorReport& report) {
 }
 
 std::string layer_text(const gis::VectorData& data) {
-    return std::to_string(data.layer.features.size()) + " feature" + (data.layer.features.size() == 1 ? "" : "s") + ", " + report_text(data.report);
+    return std::to_string(data.layer.features.size()) + " feature" + (data.layer.features.size() == 1 ? "" : "s") +
+           ", " + report_text(data.report);
 }
 
 void print_terrain(std::ostream& out, const SiteTerrain& terrain) {
     const gis::Terrain& t = terrain.data;
     const GridShape& g = t.grid.shape;
-    const MapPoint low = t.frame.to_map({g.bounds().min.x(), g.bounds().min.y(), 0.0}), high = t.frame.to_map({g.bounds().max.x(), g.bounds().max.y(), 0.0});
+    const MapPoint low = t.frame.to_map({g.bounds().min.x(), g.bounds().min.y(), 0.0}),
+                   high = t.frame.to_map({g.bounds().max.x(), g.bounds().max.y(), 0.0});
     out << "terrain        " << t.dtm.file << " (" << t.dtm.driver << ", " << t.dtm.data_type << ")\n"
         << "               " << crs_text(t.dtm.crs_name) << "\n"
-        << "               cells of " << t.dtm.cell_x << " x " << t.dtm.cell_y << " m, " << fixed(100.0 * t.dtm.valid_fraction, 1) << " % valid, heights "
-        << fixed(t.dtm.min_height, 1) << " to " << fixed(t.dtm.max_height, 1) << " m\n"
-        << "               easting " << fixed(low.easting, 1) << " to " << fixed(high.easting, 1) << ", northing " << fixed(low.northing, 1) << " to "
-        << fixed(high.northing, 1) << "\n"
-        << "model          " << g.columns << " x " << g.rows << " cells of " << g.cell << " m; differs from the DTM by " << fixed(t.resampling.rms_difference, 3)
-        << " m (root mean square), " << fixed(t.resampling.max_difference, 2) << " m (largest)\n"
+        << "               cells of " << t.dtm.cell_x << " x " << t.dtm.cell_y << " m, "
+        << fixed(100.0 * t.dtm.valid_fraction, 1) << " % valid, heights " << fixed(t.dtm.min_height, 1) << " to "
+        << fixed(t.dtm.max_height, 1) << " m\n"
+        << "               easting " << fixed(low.easting, 1) << " to " << fixed(high.easting, 1) << ", northing "
+        << fixed(low.northing, 1) << " to " << fixed(high.northing, 1) << "\n"
+        << "model          " << g.columns << " x " << g.rows << " cells of " << g.cell << " m; differs from the DTM by "
+        << fixed(t.resampling.rms_difference, 3) << " m (root mean square), " << fixed(t.resampling.max_difference, 2)
+        << " m (largest)\n"
         << "               " << terrain.surface_report << "\n";
     double area = 0.0;
     for (const double a : t.soils.area) area += a;
     for (std::size_t k = 0; k < t.soils.soils.size(); ++k)
-        out << (k == 0 ? "soils          " : "               ") << t.soils.soils[k] << ": " << fixed(t.soils.area[k], 0) << " m2 ("
-            << fixed(100.0 * t.soils.area[k] / std::max(area, 1e-9), 1) << " %)\n";
-    if (t.soils.gap_area > 0.0) out << "               " << fixed(t.soils.gap_area, 0) << " m2 lie in no zone and take the default soil\n";
+        out << (k == 0 ? "soils          " : "               ") << t.soils.soils[k] << ": " << fixed(t.soils.area[k], 0)
+            << " m2 (" << fixed(100.0 * t.soils.area[k] / std::max(area, 1e-9), 1) << " %)\n";
+    if (t.soils.gap_area > 0.0)
+        out << "               " << fixed(t.soils.gap_area, 0) << " m2 lie in no zone and take the default soil\n";
     if (t.soils.divided_area > 0.0)
-        out << "               " << fixed(t.soils.divided_area, 0) << " m2 are facets on a boundary between soils, each with the soil of its centroid\n";
+        out << "               " << fixed(t.soils.divided_area, 0)
+            << " m2 are facets on a boundary between soils, each with the soil of its centroid\n";
 }
 
 void print_blocks(std::ostream& out, const SiteModel& m) {
     const BlockPopulation& p = m.campaign.population;
     if (p.list.empty()) {
-        out << "blocks         drawn from distributions, volume law " << kVolumeLawNames[static_cast<std::size_t>(p.distribution.law)];
+        out << "blocks         drawn from distributions, volume law "
+            << kVolumeLawNames[static_cast<std::size_t>(p.distribution.law)];
     } else {
-        auto [light, heavy] = std::minmax_element(p.list.begin(), p.list.end(), [](const auto& a, const auto& b) { return a.mass < b.mass; });
-        auto [small, large] = std::minmax_element(p.list.begin(), p.list.end(), [](const auto& a, const auto& b) { return a.size.x() < b.size.x(); });
-        out << "blocks         " << p.list.size() << (p.list.size() == 1 ? " row, " : " rows, ") << fixed(light->mass, 0) << " to " << fixed(heavy->mass, 0) << " kg, L1 " << fixed(small->size.x(), 2) << " to "
-            << fixed(large->size.x(), 2) << " m";
+        auto [light, heavy] = std::minmax_element(p.list.begin(), p.list.end(),
+                                                  [](const auto& a, const auto& b) { return a.mass < b.mass; });
+        auto [small, large] = std::minmax_element(p.list.begin(), p.list.end(),
+                                                  [](const auto& a, const auto& b) { return a.size.x() < b.size.x(); });
+        out << "blocks         " << p.list.size() << (p.list.size() == 1 ? " row, " : " rows, ")
+            << fixed(light->mass, 0) << " to " << fixed(heavy->mass, 0) << " kg, L1 " << fixed(small->size.x(), 2)
+            << " to " << fixed(large->size.x(), 2) << " m";
     }
     out << "; shape " << kBlockShapeNames[static_cast<std::size_t>(p.shape.shape)] << "\n";
 }
@@ -79,7 +91,8 @@ void print_unread_fields(std::ostream& out, const FeatureLayer& layer) {
 /// What the first blocks would start with: heights over the ground and how many had to be lifted.
 void print_release(std::ostream& out, const SiteModel& m) {
     const CampaignInput& c = m.campaign;
-    out << "release        " << layer_text(m.release) << "; " << c.release.count << (c.release.count == 1 ? " block from " : " blocks from ") << c.release.height << " m above the ground\n";
+    out << "release        " << layer_text(m.release) << "; " << c.release.count
+        << (c.release.count == 1 ? " block from " : " blocks from ") << c.release.height << " m above the ground\n";
     print_unread_fields(out, m.release.layer);
     const std::int64_t tried = std::min<std::int64_t>(c.release.count, 200);
     std::int64_t lifted = 0;
@@ -88,14 +101,21 @@ void print_release(std::ostream& out, const SiteModel& m) {
         std::int64_t feature = 0;
         double raised = 0.0;
         const PopulationBlock block = draw_block(c.population, c.seed, static_cast<std::uint64_t>(k));
-        const BlockState<3> state = draw_release(c.release, *c.area, *c.surface, block.body, c.seed, static_cast<std::uint64_t>(k), feature, raised);
+        const BlockState<3> state = draw_release(c.release, *c.area, *c.surface, block.body, c.seed,
+                                                 static_cast<std::uint64_t>(k), feature, raised);
         lifted += raised > 0.0 ? 1 : 0;
         most = std::max(most, raised);
         low = std::min(low, state.position.z());
         high = std::max(high, state.position.z());
     }
-    out << (tried == 1 ? std::string("               it starts") : "               the first " + std::to_string(tried) + " start") << " at heights " << fixed(low + m.terrain.data.frame.height, 1) << " to " << fixed(high + m.terrain.data.frame.height, 1) << " m; "
-        << (lifted == 0 ? "all of them free of the ground" : std::to_string(lifted) + " had to be lifted to start free of the ground, by up to " + fixed(most, 2) + " m") << "\n";
+    out << (tried == 1 ? std::string("               it starts")
+                       : "               the first " + std::to_string(tried) + " start")
+        << " at heights " << fixed(low + m.terrain.data.frame.height, 1) << " to "
+        << fixed(high + m.terrain.data.frame.height, 1) << " m; "
+        << (lifted == 0 ? "all of them free of the ground"
+                        : std::to_string(lifted) + " had to be lifted to start free of the ground, by up to " +
+                              fixed(most, 2) + " m")
+        << "\n";
 }
 
 }  // namespace
@@ -114,7 +134,8 @@ ExitCode run_check(const Context& context) {
     print_release(out, model);
     if (model.screens) out << "screens        " << layer_text(*model.screens) << "\n";
     if (model.deposit_zones) out << "deposit zones  " << layer_text(*model.deposit_zones) << "\n";
-    out << "Inputs are good" << (model.warnings.empty() ? "" : ", with warnings") << ". Next: scree run " << site.file.string() << "\n";
+    out << "Inputs are good" << (model.warnings.empty() ? "" : ", with warnings") << ". Next: scree run "
+        << site.file.string() << "\n";
     return ExitCode::Done;
 }
 

@@ -9,7 +9,8 @@ namespace scree::cli {
 
 namespace {
 
-constexpr const char* kTemplate = R"(# A site for Scree. Paths are relative to this file. All keys with units, ranges and defaults: scree settings
+constexpr const char* kTemplate =
+    R"(# A site for Scree. Paths are relative to this file. All keys with units, ranges and defaults: scree settings
 
 [site]
 name = "My site"
@@ -72,8 +73,10 @@ ExitCode run_init(const Context& context) {
     std::error_code error;
     fs::create_directories(folder / "data", error);
     std::ofstream out(file, std::ios::binary);
-    if (error || !(out << kTemplate) || !out.flush()) throw InputError(file.string() + " cannot be written: check that the folder may be created");
-    *context.out << "Wrote " << file.string() << "\nPut your data into " << (folder / "data").string() << ", adapt the file, then: scree check " << file.string() << "\n";
+    if (error || !(out << kTemplate) || !out.flush())
+        throw InputError(file.string() + " cannot be written: check that the folder may be created");
+    *context.out << "Wrote " << file.string() << "\nPut your data into " << (folder / "data").string()
+                 << ", adapt the file, then: scree check " << file.string() << "\n";
     return ExitCode::Done;
 }
 

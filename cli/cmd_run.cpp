@@ -28,7 +28,9 @@ std::string short_number(double value) {
 std::string without_folders(std::string warning, const SiteFile& site, const std::vector<std::string>& inputs) {
     auto shorten = [&](const std::string& path) {
         const std::string name = fs::path(path).filename().string();
-        for (auto at = warning.find(path); at != std::string::npos && path != name; at = warning.find(path, at + name.size())) warning.replace(at, path.size(), name);
+        for (auto at = warning.find(path); at != std::string::npos && path != name;
+             at = warning.find(path, at + name.size()))
+            warning.replace(at, path.size(), name);
     };
     for (const std::string& input : inputs) shorten(input);
     shorten(site.file.string());
@@ -36,14 +38,18 @@ std::string without_folders(std::string warning, const SiteFile& site, const std
 }
 
 /// Everything that says how the result came about, without paths of a machine or times: two runs of one site give the same bytes.
-std::vector<gis::ProvenanceEntry> provenance(const SiteFile& site, const SiteModel& model, const CampaignResult& result) {
+std::vector<gis::ProvenanceEntry> provenance(const SiteFile& site, const SiteModel& model,
+                                             const CampaignResult& result) {
     std::vector<gis::ProvenanceEntry> p;
     p.push_back({"program", "scree " + version()});
     p.push_back({"site", site.settings.name});
     p.push_back({"seed", std::to_string(site.settings.seed)});
     p.push_back({"released", std::to_string(result.released)});
-    for (std::size_t k = 0; k < kStopReasonNames.size(); ++k) p.push_back({std::string("ended_") + kStopReasonNames[k], std::to_string(result.reasons[k])});
-    p.push_back({"interrupted", result.interrupted ? "true: " + std::to_string(result.released) + " of " + std::to_string(site.settings.releases.count) + " blocks" : "false"});
+    for (std::size_t k = 0; k < kStopReasonNames.size(); ++k)
+        p.push_back({std::string("ended_") + kStopReasonNames[k], std::to_string(result.reasons[k])});
+    p.push_back({"interrupted", result.interrupted ? "true: " + std::to_string(result.released) + " of " +
+                                                         std::to_string(site.settings.releases.count) + " blocks"
+                                                   : "false"});
     const TrajectoryCounters& c = result.counters;
     p.push_back({"contact_problems", std::to_string(c.contact_problems)});
     p.push_back({"contact_problems_above_tolerance", std::to_string(c.unconverged_problems)});
@@ -56,11 +62,15 @@ std::vector<gis::ProvenanceEntry> provenance(const SiteFile& site, const SiteMod
     p.push_back({"penetration_p999_m", short_number(c.penetration_quantile(0.999))});
     p.push_back({"largest_penetration_m", short_number(c.largest_penetration)});
     p.push_back({"quantile_error", short_number(kQuantileError) + " relative"});
-    for (const std::string& file : model.inputs) p.push_back({"sha256 " + fs::path(file).filename().string(), gis::sha256_of_file(file)});
+    for (const std::string& file : model.inputs)
+        p.push_back({"sha256 " + fs::path(file).filename().string(), gis::sha256_of_file(file)});
     SiteSettings portable = site.settings;
     portable.output_directory.clear();
-    p.push_back({"settings", settings_as_toml(portable, [](const std::string& path) { return fs::path(path).filename().string(); })});
-    for (std::size_t k = 0; k < model.warnings.size(); ++k) p.push_back({"warning_" + std::to_string(k + 1), without_folders(model.warnings[k], site, model.inputs)});
+    p.push_back({"settings", settings_as_toml(portable, [](const std::string& path) {
+                     return fs::path(path).filename().string();
+                 })});
+    for (std::size_t k = 0; k < model.warnings.size(); ++k)
+        p.push_back({"warning_" + std::to_string(k + 1), without_folders(model.warnings[k], site, model.inputs)});
     return p;
 }
 
@@ -69,8 +79,10 @@ std::string run_toml(const SiteFile& site, const CampaignResult& result, const f
     SiteSettings settings = site.settings;
     settings.output_directory = "rerun";
     std::ostringstream text;
-    text << "# Reproduces these results: scree run run.toml\n# scree " << version() << "; " << result.released << " blocks:";
-    for (std::size_t k = 0; k < kStopReasonNames.size(); ++k) text << (k ? ", " : " ") << result.reasons[k] << " " << kStopReasonNames[k];
+    text << "# Reproduces these results: scree run run.toml\n# scree " << version() << "; " << result.released
+         << " blocks:";
+    for (std::size_t k = 0; k < kStopReasonNames.size(); ++k)
+        text << (k ? ", " : " ") << result.reasons[k] << " " << kStopReasonNames[k];
     text << (result.interrupted ? "\n# INTERRUPTED: not all blocks were thrown" : "") << "\n";
     text << settings_as_toml(settings, [&](const std::string& path) {
         if (path == settings.output_directory) return path;
@@ -81,20 +93,27 @@ std::string run_toml(const SiteFile& site, const CampaignResult& result, const f
     return text.str();
 }
 
-std::string percent(std::int64_t part, std::int64_t whole) { return short_number(whole > 0 ? 100.0 * static_cast<double>(part) / static_cast<double>(whole) : 0.0) + " %"; }
+std::string percent(std::int64_t part, std::int64_t whole) {
+    return short_number(whole > 0 ? 100.0 * static_cast<double>(part) / static_cast<double>(whole) : 0.0) + " %";
+}
 
-double quantile(std::vector<double>& sorted, double q) { return sorted[std::min(sorted.size() - 1, static_cast<std::size_t>(q * static_cast<double>(sorted.size())))]; }
+double quantile(std::vector<double>& sorted, double q) {
+    return sorted[std::min(sorted.size() - 1, static_cast<std::size_t>(q * static_cast<double>(sorted.size())))];
+}
 
 void print_summary(std::ostream& out, const SiteModel& model, const CampaignResult& r, const fs::path& folder) {
     out << r.released << " blocks thrown:";
-    for (std::size_t k = 0; k < kStopReasonNames.size(); ++k) out << (k ? ", " : " ") << r.reasons[k] << " " << kStopReasonNames[k];
+    for (std::size_t k = 0; k < kStopReasonNames.size(); ++k)
+        out << (k ? ", " : " ") << r.reasons[k] << " " << kStopReasonNames[k];
     out << "\n";
     std::vector<double> runout;
     for (const BlockResult& b : r.blocks)
         if (b.done && b.reason == StopReason::AtRest) runout.push_back((b.stop - b.release).head<2>().norm());
     std::sort(runout.begin(), runout.end());
     if (!runout.empty())
-        out << "runout         median " << short_number(quantile(runout, 0.5)) << " m, 95 % quantile " << short_number(quantile(runout, 0.95)) << " m, largest " << short_number(runout.back()) << " m (blocks at rest)\n";
+        out << "runout         median " << short_number(quantile(runout, 0.5)) << " m, 95 % quantile "
+            << short_number(quantile(runout, 0.95)) << " m, largest " << short_number(runout.back())
+            << " m (blocks at rest)\n";
     std::vector<std::string> seen;
     for (const Screen& screen : model.campaign.screens) {
         if (std::find(seen.begin(), seen.end(), screen.name) != seen.end()) continue;
@@ -107,14 +126,18 @@ void print_summary(std::ostream& out, const SiteModel& model, const CampaignResu
         }
         std::sort(speeds.begin(), speeds.end());
         std::sort(energies.begin(), energies.end());
-        out << "screen         " << screen.name << ": " << percent(static_cast<std::int64_t>(speeds.size()), r.released) << " pass";
+        out << "screen         " << screen.name << ": " << percent(static_cast<std::int64_t>(speeds.size()), r.released)
+            << " pass";
         if (!speeds.empty())
-            out << "; speed median " << short_number(quantile(speeds, 0.5)) << " m/s, 95 % quantile " << short_number(quantile(speeds, 0.95)) << " m/s; energy 95 % quantile " << short_number(quantile(energies, 0.95)) << " kJ";
+            out << "; speed median " << short_number(quantile(speeds, 0.5)) << " m/s, 95 % quantile "
+                << short_number(quantile(speeds, 0.95)) << " m/s; energy 95 % quantile "
+                << short_number(quantile(energies, 0.95)) << " kJ";
         out << "\n";
     }
     for (const DepositCount& d : r.deposits) {
         const auto [low, high] = wilson_interval(d.count, r.released);
-        out << "deposit zone   " << d.name << ": " << percent(d.count, r.released) << " (95 % interval " << short_number(100.0 * low) << " to " << short_number(100.0 * high) << " %)\n";
+        out << "deposit zone   " << d.name << ": " << percent(d.count, r.released) << " (95 % interval "
+            << short_number(100.0 * low) << " to " << short_number(100.0 * high) << " %)\n";
     }
     out << "results        " << (folder / "results.qgs").string() << " (open it in QGIS)\n"
         << "               beside it: results.gpkg (all layers), rasters (GeoTIFFs), run.toml (reproduces the run)\n";
@@ -133,7 +156,8 @@ ExitCode run_run(const Context& context) {
 
     const InterruptScope interrupt;
     Progress progress(context, "blocks", model.campaign.release.count);
-    const CampaignResult result = run_campaign(model.campaign, [&](std::int64_t done) { progress.update(done); }, InterruptScope::flag());
+    const CampaignResult result = run_campaign(
+        model.campaign, [&](std::int64_t done) { progress.update(done); }, InterruptScope::flag());
     progress.finish(result.released);
     if (result.released == 0) {
         *context.err << "interrupted before the first block was done: nothing is written\n";
@@ -152,9 +176,12 @@ ExitCode run_run(const Context& context) {
     if (!context.quiet) print_summary(*context.out, model, result, folder);
     const std::int64_t failed = result.reasons[static_cast<std::size_t>(StopReason::Failed)];
     if (failed > 0)
-        *context.err << "warning: " << failed << " of " << result.released << " trajectories failed in the computation; they count in no map, and stopping_points shows where\n";
+        *context.err
+            << "warning: " << failed << " of " << result.released
+            << " trajectories failed in the computation; they count in no map, and stopping_points shows where\n";
     if (!result.interrupted) return ExitCode::Done;
-    *context.err << "interrupted: " << result.released << " of " << model.campaign.release.count << " blocks were thrown and are written; the results say so\n";
+    *context.err << "interrupted: " << result.released << " of " << model.campaign.release.count
+                 << " blocks were thrown and are written; the results say so\n";
     return ExitCode::Interrupted;
 }
 

@@ -14,7 +14,9 @@ namespace scree::cli {
 
 namespace {
 
-double slope_deg(const Vec3& normal) { return degrees_from_radians(std::acos(std::min(1.0, normal.z()))); }
+double slope_deg(const Vec3& normal) {
+    return degrees_from_radians(std::acos(std::min(1.0, normal.z())));
+}
 
 /// Facets one by one: there may be millions.
 gis::VectorLayer facets_layer(const SiteTerrain& terrain) {
@@ -25,7 +27,9 @@ gis::VectorLayer facets_layer(const SiteTerrain& terrain) {
     layer.visible = false;
     layer.data.name = "facets";
     layer.data.kind = GeometryKind::Polygon;
-    layer.data.fields = {{"facet", FieldType::Integer, "Facet number"}, {"soil", FieldType::Text, "Soil"}, {"slope_deg", FieldType::Real, "Slope [deg]"}};
+    layer.data.fields = {{"facet", FieldType::Integer, "Facet number"},
+                         {"soil", FieldType::Text, "Soil"},
+                         {"slope_deg", FieldType::Real, "Slope [deg]"}};
     layer.next = [&terrain, f = std::int64_t{0}](Feature& feature) mutable {
         std::array<Vec3, 3> c;
         SoilId soil = 0;
@@ -49,7 +53,8 @@ gis::RasterLayer heights_layer(const SiteTerrain& terrain) {
     layer.theme = gis::RasterTheme::Terrain;
     layer.visible = true;
     layer.values = Grid<float>(terrain.data.grid.shape);
-    for (std::size_t k = 0; k < terrain.data.grid.values.size(); ++k) layer.values.values[k] = static_cast<float>(terrain.data.grid.values[k] + terrain.data.frame.height);
+    for (std::size_t k = 0; k < terrain.data.grid.values.size(); ++k)
+        layer.values.values[k] = static_cast<float>(terrain.data.grid.values[k] + terrain.data.frame.height);
     return layer;
 }
 
@@ -65,7 +70,8 @@ gis::RasterLayer slope_layer(const SiteTerrain& terrain) {
     layer.values = Grid<float>(g.shape, std::numeric_limits<float>::quiet_NaN());
     for (int j = 1; j + 1 < g.shape.rows; ++j) {
         for (int i = 1; i + 1 < g.shape.columns; ++i) {
-            const double dx = (g.at(i + 1, j) - g.at(i - 1, j)) / (2.0 * g.shape.cell), dy = (g.at(i, j + 1) - g.at(i, j - 1)) / (2.0 * g.shape.cell);
+            const double dx = (g.at(i + 1, j) - g.at(i - 1, j)) / (2.0 * g.shape.cell),
+                         dy = (g.at(i, j + 1) - g.at(i, j - 1)) / (2.0 * g.shape.cell);
             layer.values.at(i, j) = static_cast<float>(degrees_from_radians(std::atan(std::hypot(dx, dy))));
         }
     }
@@ -88,11 +94,15 @@ ExitCode run_terrain(const Context& context) {
     package.title = site.settings.name + ": terrain";
     package.vectors.push_back(facets_layer(terrain));
     if (!site.settings.zones.file.empty())
-        package.vectors.push_back(input_layer(read_site_layer(site, site.settings.zones, "soil zones", {GeometryKind::Polygon}, terrain), "soil_zones", "Soil zones", ""));
+        package.vectors.push_back(
+            input_layer(read_site_layer(site, site.settings.zones, "soil zones", {GeometryKind::Polygon}, terrain),
+                        "soil_zones", "Soil zones", ""));
     package.rasters = {slope_layer(terrain), heights_layer(terrain)};
-    package.provenance = {{"program", "scree " + version()}, {"site", site.settings.name}, {"surface", terrain.surface_report}};
+    package.provenance = {
+        {"program", "scree " + version()}, {"site", site.settings.name}, {"surface", terrain.surface_report}};
     gis::write_results(folder, package, context.overwrite);
-    if (!context.quiet) *context.out << terrain.surface_report << "\nterrain        " << (folder / "results.gpkg").string() << "\n";
+    if (!context.quiet)
+        *context.out << terrain.surface_report << "\nterrain        " << (folder / "results.gpkg").string() << "\n";
     return ExitCode::Done;
 }
 

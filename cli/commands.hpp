@@ -23,10 +23,10 @@ struct Context {
     std::vector<std::string> changes;  ///< --set key=value
     std::string output;                ///< --output; empty: as the site file says
     bool overwrite = false;
-    int threads = 0;                   ///< 0: all cores
+    int threads = 0;  ///< 0: all cores
     bool quiet = false;
     ProgressStyle progress = ProgressStyle::Automatic;
-    std::string format = "text";       ///< of `settings`
+    std::string format = "text";  ///< of `settings`
     std::ostream* out = nullptr;
     std::ostream* err = nullptr;
 

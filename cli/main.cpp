@@ -3,4 +3,6 @@
 
 #include <iostream>
 
-int main(int argc, char** argv) { return scree::cli::run({argv + 1, argv + argc}, std::cout, std::cerr); }
+int main(int argc, char** argv) {
+    return scree::cli::run({argv + 1, argv + argc}, std::cout, std::cerr);
+}

@@ -19,9 +19,12 @@ using Clock = std::chrono::steady_clock;
 std::string duration_text(double seconds) {
     const auto s = static_cast<std::int64_t>(std::llround(seconds));
     std::ostringstream text;
-    if (s >= 3600) text << s / 3600 << " h " << (s / 60) % 60 << " min";
-    else if (s >= 60) text << s / 60 << " min " << s % 60 << " s";
-    else text << s << " s";
+    if (s >= 3600)
+        text << s / 3600 << " h " << (s / 60) % 60 << " min";
+    else if (s >= 60)
+        text << s / 60 << " min " << s % 60 << " s";
+    else
+        text << s << " s";
     return text.str();
 }
 
@@ -37,8 +40,14 @@ extern "C" void on_interrupt(int signal) {
 }  // namespace
 
 Progress::Progress(const Context& context, std::string what, std::int64_t total)
-    : err_(*context.err), what_(std::move(what)), total_(total), quiet_(context.quiet), json_(context.progress == ProgressStyle::Json),
-      terminal_(context.err == &std::cerr && isatty(STDERR_FILENO) != 0), start_(Clock::now()), shown_(start_) {}
+    : err_(*context.err),
+      what_(std::move(what)),
+      total_(total),
+      quiet_(context.quiet),
+      json_(context.progress == ProgressStyle::Json),
+      terminal_(context.err == &std::cerr && isatty(STDERR_FILENO) != 0),
+      start_(Clock::now()),
+      shown_(start_) {}
 
 void Progress::update(std::int64_t done) {
     const double since = std::chrono::duration<double>(Clock::now() - shown_).count();
@@ -47,26 +56,33 @@ void Progress::update(std::int64_t done) {
     shown_ = Clock::now();
 }
 
-void Progress::finish(std::int64_t done) { show(done, true); }
+void Progress::finish(std::int64_t done) {
+    show(done, true);
+}
 
 void Progress::show(std::int64_t done, bool last) {
     const double elapsed = std::chrono::duration<double>(Clock::now() - start_).count();
     const double rate = static_cast<double>(done) / std::max(elapsed, 1e-9);
     const double left = rate > 0.0 ? static_cast<double>(total_ - done) / rate : 0.0;
     if (json_) {
-        err_ << "{\"event\": \"progress\", \"what\": \"" << what_ << "\", \"done\": " << done << ", \"total\": " << total_ << ", \"rate_per_s\": " << rate
-             << ", \"seconds_left\": " << left << "}" << std::endl;
+        err_ << "{\"event\": \"progress\", \"what\": \"" << what_ << "\", \"done\": " << done
+             << ", \"total\": " << total_ << ", \"rate_per_s\": " << rate << ", \"seconds_left\": " << left << "}"
+             << std::endl;
         return;
     }
     if (quiet_) return;
     std::ostringstream line;
     line << done << " of " << total_ << " " << what_ << ", " << std::setprecision(3) << rate << "/s";
-    if (last) line << ", " << duration_text(elapsed);
-    else line << ", " << duration_text(left) << " left";
+    if (last)
+        line << ", " << duration_text(elapsed);
+    else
+        line << ", " << duration_text(left) << " left";
     if (terminal_) {
         const int width = 30;
-        const int filled = static_cast<int>(width * static_cast<double>(done) / static_cast<double>(std::max<std::int64_t>(total_, 1)));
-        err_ << "\r[" << std::string(static_cast<std::size_t>(filled), '=') << std::string(static_cast<std::size_t>(width - filled), ' ') << "] " << line.str() << "   "
+        const int filled = static_cast<int>(width * static_cast<double>(done) /
+                                            static_cast<double>(std::max<std::int64_t>(total_, 1)));
+        err_ << "\r[" << std::string(static_cast<std::size_t>(filled), '=')
+             << std::string(static_cast<std::size_t>(width - filled), ' ') << "] " << line.str() << "   "
              << (last ? "\n" : "") << std::flush;
     } else {
         err_ << line.str() << std::endl;
@@ -82,6 +98,8 @@ InterruptScope::~InterruptScope() {
     std::signal(SIGINT, SIG_DFL);
     std::signal(SIGTERM, SIG_DFL);
 }
-const std::atomic<bool>& InterruptScope::flag() { return interrupted; }
+const std::atomic<bool>& InterruptScope::flag() {
+    return interrupted;
+}
 
 }  // namespace scree::cli

@@ -23,7 +23,8 @@ std::string number_text(double value) {
         return text.find_first_of(".e") == std::string::npos ? text + ".0" : text;
     }
     char buffer[32];
-    const auto end = std::to_chars(buffer, buffer + sizeof buffer, value).ptr;  // shortest text that reads back the same
+    const auto end =
+        std::to_chars(buffer, buffer + sizeof buffer, value).ptr;  // shortest text that reads back the same
     return {buffer, end};
 }
 
@@ -51,7 +52,8 @@ std::string node_text(const toml::node& node) {
     return s.str();
 }
 
-[[noreturn]] void refuse(const std::string& where, const std::string& name, const toml::node& node, const std::string& allowed) {
+[[noreturn]] void refuse(const std::string& where, const std::string& name, const toml::node& node,
+                         const std::string& allowed) {
     throw InputError(where + ": " + name + " = " + node_text(node) + " is not allowed: give " + allowed);
 }
 
@@ -64,7 +66,9 @@ struct Range {
 std::string range_text(const Range& r, const char* noun) {
     const bool below = std::isfinite(r.low), above = std::isfinite(r.high);
     std::string text = noun;
-    if (below && above) return text + " from " + bound_text(r.low) + (r.low_included ? "" : " (excluded)") + " to " + bound_text(r.high);
+    if (below && above)
+        return text + " from " + bound_text(r.low) + (r.low_included ? "" : " (excluded)") + " to " +
+               bound_text(r.high);
     if (below) return text + (r.low_included ? " of at least " : " above ") + bound_text(r.low);
     if (above) return text + " of at most " + bound_text(r.high);
     return text;
@@ -78,11 +82,15 @@ struct Row {
     template <class Access>
     Setting<S> number(std::string key, std::string unit, Range range, Access at, std::string help) const {
         const std::string allowed = range_text(range, "a number");
-        return {section, key, unit, allowed, help,
+        return {section,
+                key,
+                unit,
+                allowed,
+                help,
                 [=, name = section + "." + key](S& s, const toml::node& node, const std::string& where) {
                     const auto value = node.value<double>();
-                    if (!value || !node.is_number() || !std::isfinite(*value) || *value > range.high || *value < range.low ||
-                        (!range.low_included && *value == range.low))
+                    if (!value || !node.is_number() || !std::isfinite(*value) || *value > range.high ||
+                        *value < range.low || (!range.low_included && *value == range.low))
                         refuse(where, name, node, allowed);
                     at(s) = *value;
                 },
@@ -92,10 +100,15 @@ struct Row {
     template <class Access>
     Setting<S> integer(std::string key, Range range, Access at, std::string help) const {
         const std::string allowed = range_text(range, "a whole number");
-        return {section, key, "-", allowed, help,
+        return {section,
+                key,
+                "-",
+                allowed,
+                help,
                 [=, name = section + "." + key](S& s, const toml::node& node, const std::string& where) {
                     const auto value = node.value_exact<std::int64_t>();
-                    if (!value || static_cast<double>(*value) < range.low || static_cast<double>(*value) > range.high) refuse(where, name, node, allowed);
+                    if (!value || static_cast<double>(*value) < range.low || static_cast<double>(*value) > range.high)
+                        refuse(where, name, node, allowed);
                     at(s) = static_cast<std::remove_reference_t<decltype(at(s))>>(*value);
                 },
                 [=](const S& s) { return std::to_string(at(const_cast<S&>(s))); }};
@@ -103,13 +116,18 @@ struct Row {
 
     template <class Access>
     Setting<S> text(std::string key, Access at, std::string help, bool path = false) const {
-        return {section, key, "-", path ? "a path in quotes" : "a text in quotes", help,
+        return {section,
+                key,
+                "-",
+                path ? "a path in quotes" : "a text in quotes",
+                help,
                 [=, name = section + "." + key](S& s, const toml::node& node, const std::string& where) {
                     const auto value = node.value_exact<std::string>();
                     if (!value) refuse(where, name, node, path ? "a path in quotes" : "a text in quotes");
                     at(s) = *value;
                 },
-                [=](const S& s) { return quoted(at(const_cast<S&>(s))); }, path};
+                [=](const S& s) { return quoted(at(const_cast<S&>(s))); },
+                path};
     }
     template <class Access>
     Setting<S> path(std::string key, Access at, std::string help) const {
@@ -118,7 +136,11 @@ struct Row {
 
     template <class Access>
     Setting<S> flag(std::string key, Access at, std::string help) const {
-        return {section, key, "-", "true or false", help,
+        return {section,
+                key,
+                "-",
+                "true or false",
+                help,
                 [=, name = section + "." + key](S& s, const toml::node& node, const std::string& where) {
                     const auto value = node.value_exact<bool>();
                     if (!value) refuse(where, name, node, "true or false");
@@ -131,7 +153,11 @@ struct Row {
     Setting<S> choice(std::string key, const std::array<const char*, N>& names, Access at, std::string help) const {
         std::string allowed;
         for (const char* name : names) allowed += (allowed.empty() ? "" : ", ") + std::string("\"") + name + "\"";
-        return {section, key, "-", allowed, help,
+        return {section,
+                key,
+                "-",
+                allowed,
+                help,
                 [=, name = section + "." + key](S& s, const toml::node& node, const std::string& where) {
                     const auto value = node.value_exact<std::string>();
                     for (std::size_t k = 0; k < N; ++k) {
@@ -146,8 +172,14 @@ struct Row {
     }
 };
 
-#define AT(member) [](SiteSettings & s) -> auto& { return s.member; }
-#define AT_SOIL(member) [](Soil & s) -> auto& { return s.member; }
+#define AT(member)                  \
+    [](SiteSettings & s) -> auto& { \
+        return s.member;            \
+    }
+#define AT_SOIL(member)     \
+    [](Soil & s) -> auto& { \
+        return s.member;    \
+    }
 
 constexpr Range kPositive{0.0, std::numeric_limits<double>::infinity(), false};
 constexpr Range kNotNegative{0.0};
@@ -155,38 +187,66 @@ constexpr Range kNotNegative{0.0};
 void add_site_and_terrain(std::vector<Setting<SiteSettings>>& keys) {
     const Row<SiteSettings> site{"site"}, terrain{"terrain"}, zones{"zones"};
     keys.push_back(site.text("name", AT(name), "Title of the results."));
-    keys.push_back(terrain.path("dtm", AT(dtm), "The terrain: a raster of heights in a projected CRS in metres. Required."));
-    keys.push_back(terrain.number("resolution", "m", kNotNegative, AT(resolution),
-        "Cell of the model, averaged from the DTM by area; 0 keeps the DTM's own. Finer terrain has more roughness that blocks trip over: parameters belong to a resolution."));
+    keys.push_back(
+        terrain.path("dtm", AT(dtm), "The terrain: a raster of heights in a projected CRS in metres. Required."));
+    keys.push_back(
+        terrain.number("resolution", "m", kNotNegative, AT(resolution),
+                       "Cell of the model, averaged from the DTM by area; 0 keeps the DTM's own. Finer terrain has "
+                       "more roughness that blocks trip over: parameters belong to a resolution."));
     keys.push_back(terrain.choice("surface", kSurfaceKindNames, AT(surface),
-        "grid: two facets a cell. tin: as few facets as the tolerance allows; its slopes may differ more than its heights."));
-    keys.push_back(terrain.number("tolerance", "m", kPositive, AT(tolerance), "Largest vertical distance between tin and grid; larger smooths the terrain."));
-    keys.push_back(terrain.flag("conforming", AT(conforming), "true: facets end at the boundaries of soil zones. false: a facet has the soil at its centroid."));
-    keys.push_back(terrain.path("breaklines", AT(breaklines.file), "Lines or polygons that facets must not cross, such as crests or road edges."));
-    keys.push_back(terrain.text("breaklines_layer", AT(breaklines.layer), "Layer of that file; empty if it has only one."));
+                                  "grid: two facets a cell. tin: as few facets as the tolerance allows; its slopes may "
+                                  "differ more than its heights."));
+    keys.push_back(terrain.number("tolerance", "m", kPositive, AT(tolerance),
+                                  "Largest vertical distance between tin and grid; larger smooths the terrain."));
+    keys.push_back(
+        terrain.flag("conforming", AT(conforming),
+                     "true: facets end at the boundaries of soil zones. false: a facet has the soil at its centroid."));
+    keys.push_back(terrain.path("breaklines", AT(breaklines.file),
+                                "Lines or polygons that facets must not cross, such as crests or road edges."));
+    keys.push_back(
+        terrain.text("breaklines_layer", AT(breaklines.layer), "Layer of that file; empty if it has only one."));
     keys.push_back(zones.path("file", AT(zones.file), "Polygons of soils; without it the default soil is everywhere."));
     keys.push_back(zones.text("layer", AT(zones.layer), "Layer of that file; empty if it has only one."));
     keys.push_back(zones.text("field", AT(zones.field), "Text field with the name of a [[soil]]."));
     keys.push_back(zones.text("default", AT(default_soil), "Soil where no polygon lies; empty is the first [[soil]]."));
-    keys.push_back(zones.text("priority", AT(priority_field), "Numeric field that decides where polygons overlap, the higher wins; empty makes overlaps an error."));
+    keys.push_back(zones.text(
+        "priority", AT(priority_field),
+        "Numeric field that decides where polygons overlap, the higher wins; empty makes overlaps an error."));
 }
 
 void add_blocks(std::vector<Setting<SiteSettings>>& keys) {
     const Row<SiteSettings> blocks{"blocks"};
-    keys.push_back(blocks.path("list", AT(block_list), "CSV with block_id, mass_kg, L1_m, L2_m, L3_m; each block takes a row. Empty draws from the distributions below."));
-    keys.push_back(blocks.choice("order", kBlockOrderNames, AT(block_order), "random draws a row per block; in_turn takes them one after the other."));
-    keys.push_back(blocks.choice("shape", kBlockShapeNames, AT(shape),
-        "hull: random convex body that fills the box L1 x L2 x L3. sharp, round: the same with 10, 40 corners. box, eota: the box, the same with cut edges. ellipsoid. file: given points. Rounder runs farther."));
-    keys.push_back(blocks.integer("points", {4, 2000}, AT(points), "Mean number of corners of hull (ellipsoid: the number). More makes rounder blocks, which run farther."));
-    keys.push_back(blocks.path("shape_file", AT(shape_file), "Points of the shape \"file\": text with x y z per line, OBJ or STL; stretched to L1 x L2 x L3."));
-    keys.push_back(blocks.choice("volume_law", kVolumeLawNames, AT(distribution.law), "How volumes are spread when there is no list."));
-    keys.push_back(blocks.number("volume", "m3", kPositive, AT(distribution.volume), "constant: the volume of every block. log_normal: the median."));
-    keys.push_back(blocks.number("volume_min", "m3", kPositive, AT(distribution.volume_min), "Smallest volume of the other laws."));
-    keys.push_back(blocks.number("volume_max", "m3", kPositive, AT(distribution.volume_max), "Largest volume of the other laws."));
-    keys.push_back(blocks.number("volume_sigma", "-", kPositive, AT(distribution.sigma), "log_normal: standard deviation of ln(volume)."));
-    keys.push_back(blocks.number("volume_exponent", "-", kPositive, AT(distribution.exponent), "power_law: the number of blocks above v falls as v to the minus this."));
-    keys.push_back(blocks.number("density", "kg/m3", {500, 5000}, AT(distribution.density), "Of the rock; mass = density x volume (blocks of a list bring their mass)."));
-    keys.push_back(blocks.number("density_spread", "kg/m3", {0, 1000}, AT(distribution.density_spread), "Half width of a uniform spread of the density."));
+    keys.push_back(blocks.path("list", AT(block_list),
+                               "CSV with block_id, mass_kg, L1_m, L2_m, L3_m; each block takes a row. Empty draws from "
+                               "the distributions below."));
+    keys.push_back(blocks.choice("order", kBlockOrderNames, AT(block_order),
+                                 "random draws a row per block; in_turn takes them one after the other."));
+    keys.push_back(blocks.choice(
+        "shape", kBlockShapeNames, AT(shape),
+        "hull: random convex body that fills the box L1 x L2 x L3. sharp, round: the same with 10, 40 corners. box, "
+        "eota: the box, the same with cut edges. ellipsoid. file: given points. Rounder runs farther."));
+    keys.push_back(blocks.integer(
+        "points", {4, 2000}, AT(points),
+        "Mean number of corners of hull (ellipsoid: the number). More makes rounder blocks, which run farther."));
+    keys.push_back(
+        blocks.path("shape_file", AT(shape_file),
+                    "Points of the shape \"file\": text with x y z per line, OBJ or STL; stretched to L1 x L2 x L3."));
+    keys.push_back(blocks.choice("volume_law", kVolumeLawNames, AT(distribution.law),
+                                 "How volumes are spread when there is no list."));
+    keys.push_back(blocks.number("volume", "m3", kPositive, AT(distribution.volume),
+                                 "constant: the volume of every block. log_normal: the median."));
+    keys.push_back(blocks.number("volume_min", "m3", kPositive, AT(distribution.volume_min),
+                                 "Smallest volume of the other laws."));
+    keys.push_back(
+        blocks.number("volume_max", "m3", kPositive, AT(distribution.volume_max), "Largest volume of the other laws."));
+    keys.push_back(blocks.number("volume_sigma", "-", kPositive, AT(distribution.sigma),
+                                 "log_normal: standard deviation of ln(volume)."));
+    keys.push_back(blocks.number("volume_exponent", "-", kPositive, AT(distribution.exponent),
+                                 "power_law: the number of blocks above v falls as v to the minus this."));
+    keys.push_back(blocks.number("density", "kg/m3", {500, 5000}, AT(distribution.density),
+                                 "Of the rock; mass = density x volume (blocks of a list bring their mass)."));
+    keys.push_back(blocks.number("density_spread", "kg/m3", {0, 1000}, AT(distribution.density_spread),
+                                 "Half width of a uniform spread of the density."));
     keys.push_back(blocks.number("ratio_21_min", "-", {0.05, 1}, AT(distribution.ratio_21[0]), "Smallest L2/L1."));
     keys.push_back(blocks.number("ratio_21_max", "-", {0.05, 1}, AT(distribution.ratio_21[1]), "Largest L2/L1."));
     keys.push_back(blocks.number("ratio_32_min", "-", {0.05, 1}, AT(distribution.ratio_32[0]), "Smallest L3/L2."));
@@ -197,14 +257,22 @@ void add_release(std::vector<Setting<SiteSettings>>& keys) {
     const Row<SiteSettings> release{"release"};
     keys.push_back(release.path("file", AT(release.file), "Polygons, lines or points where blocks start. Required."));
     keys.push_back(release.text("layer", AT(release.layer), "Layer of that file; empty if it has only one."));
-    keys.push_back(release.integer("count", {1, 1e9}, AT(releases.count), "Blocks to throw. A share p is known to about +-sqrt(p (1-p) / count)."));
-    keys.push_back(release.choice("pattern", kReleasePatternNames, AT(releases.pattern),
-        "random: positions uniform over polygons (by area), lines (by length), points; where features overlap, each sends its share. cells: one block after the other from the centres of the model's cells in the polygons."));
-    keys.push_back(release.number("height", "m", {0, 1000}, AT(releases.height), "Of the centre of mass above the ground, vertically. A block that would touch the ground is lifted until it is free."));
-    keys.push_back(release.number("height_spread", "m", {0, 1000}, AT(releases.height_spread), "Half width of a uniform spread of the height."));
+    keys.push_back(release.integer("count", {1, 1e9}, AT(releases.count),
+                                   "Blocks to throw. A share p is known to about +-sqrt(p (1-p) / count)."));
+    keys.push_back(release.choice(
+        "pattern", kReleasePatternNames, AT(releases.pattern),
+        "random: positions uniform over polygons (by area), lines (by length), points; where features overlap, each "
+        "sends its share. cells: one block after the other from the centres of the model's cells in the polygons."));
+    keys.push_back(release.number("height", "m", {0, 1000}, AT(releases.height),
+                                  "Of the centre of mass above the ground, vertically. A block that would touch the "
+                                  "ground is lifted until it is free."));
+    keys.push_back(release.number("height_spread", "m", {0, 1000}, AT(releases.height_spread),
+                                  "Half width of a uniform spread of the height."));
     keys.push_back(release.number("speed", "m/s", {0, 100}, AT(releases.speed), "Initial speed."));
-    keys.push_back(release.number("azimuth_deg", "deg", {-360, 360}, AT(azimuth_deg), "Direction of the initial speed in plan view, clockwise from north."));
-    keys.push_back(release.number("elevation_deg", "deg", {-90, 90}, AT(elevation_deg), "Angle of the initial speed above the horizontal."));
+    keys.push_back(release.number("azimuth_deg", "deg", {-360, 360}, AT(azimuth_deg),
+                                  "Direction of the initial speed in plan view, clockwise from north."));
+    keys.push_back(release.number("elevation_deg", "deg", {-90, 90}, AT(elevation_deg),
+                                  "Angle of the initial speed above the horizontal."));
     keys.push_back(release.number("spin", "rad/s", {0, 200}, AT(releases.spin), "Initial spin about a random axis."));
 }
 
@@ -212,33 +280,57 @@ void add_model(std::vector<Setting<SiteSettings>>& keys) {
     const Row<SiteSettings> model{"model"};
     keys.push_back(model.integer("dimension", {3, 3}, AT(dimension), "3: blocks in space."));
     keys.push_back(model.choice("mode", kSteppingModeNames, AT(dynamics.mode),
-        "event: steps end where a contact closes; use it. moreau_jean: the scheme of Bourrier & Acary 2022, to compare with them, with time_step = 1e-3."));
-    keys.push_back(model.number("time_step", "s", {1e-6, 0.02}, AT(dynamics.time_step), "Longest step in contact. event: 4e-3 has converged; longer is faster and less accurate."));
-    keys.push_back(model.number("time_limit", "s", {0.1, 1e5}, AT(dynamics.time_limit), "A block still moving then ends as time_limit."));
-    keys.push_back(model.integer("seed", {0, 9e15}, AT(seed), "Seed of all random numbers: same seed, same results, byte for byte."));
-    keys.push_back(model.number("gravity", "m/s2", {0.1, 30}, AT(dynamics.gravity), "Standard gravity unless you are elsewhere."));
-    keys.push_back(model.number("activation_gap", "m", {1e-6, 1e-2}, AT(dynamics.activation_gap), "A contact closes at this gap. Larger merges contacts that should act one after the other."));
-    keys.push_back(model.number("release_gap", "m", {1e-6, 1e-1}, AT(dynamics.release_gap), "A closed contact opens beyond this gap. Smaller lets sliding blocks chatter."));
-    keys.push_back(model.number("impact_speed", "m/s", {1e-3, 1}, AT(dynamics.impact_speed), "event: a faster approach is an impact that takes no time."));
-    keys.push_back(model.number("restitution_threshold", "m/s", {0, 2}, AT(dynamics.restitution_threshold), "event: a slower normal approach does not bounce. Smaller makes endless small bounces."));
-    keys.push_back(model.number("flight_step", "s", {1e-4, 0.05}, AT(dynamics.flight_step), "Longest step of the rotation in flight; the path of the centre of mass is exact."));
-    keys.push_back(model.number("rest_head", "m", {1e-9, 1e-2}, AT(dynamics.rest_head), "Kinetic energy per weight below which a block in static equilibrium may stop."));
-    keys.push_back(model.number("rest_time", "s", {0, 10}, AT(dynamics.rest_time), "How long it must stay so before it counts as at rest."));
-    keys.push_back(model.number("solver_tolerance", "-", {1e-12, 1e-2}, AT(dynamics.solver.tolerance), "Largest residual of a contact problem relative to the velocities in it; smaller is slower."));
-    keys.push_back(model.flag("vertices_only", AT(dynamics.vertices_only), "Leave out contacts of terrain tips and crests: only to compare with codes that lack them; blocks then sink into crests."));
+                                "event: steps end where a contact closes; use it. moreau_jean: the scheme of Bourrier "
+                                "& Acary 2022, to compare with them, with time_step = 1e-3."));
+    keys.push_back(
+        model.number("time_step", "s", {1e-6, 0.02}, AT(dynamics.time_step),
+                     "Longest step in contact. event: 4e-3 has converged; longer is faster and less accurate."));
+    keys.push_back(model.number("time_limit", "s", {0.1, 1e5}, AT(dynamics.time_limit),
+                                "A block still moving then ends as time_limit."));
+    keys.push_back(model.integer("seed", {0, 9e15}, AT(seed),
+                                 "Seed of all random numbers: same seed, same results, byte for byte."));
+    keys.push_back(
+        model.number("gravity", "m/s2", {0.1, 30}, AT(dynamics.gravity), "Standard gravity unless you are elsewhere."));
+    keys.push_back(
+        model.number("activation_gap", "m", {1e-6, 1e-2}, AT(dynamics.activation_gap),
+                     "A contact closes at this gap. Larger merges contacts that should act one after the other."));
+    keys.push_back(model.number("release_gap", "m", {1e-6, 1e-1}, AT(dynamics.release_gap),
+                                "A closed contact opens beyond this gap. Smaller lets sliding blocks chatter."));
+    keys.push_back(model.number("impact_speed", "m/s", {1e-3, 1}, AT(dynamics.impact_speed),
+                                "event: a faster approach is an impact that takes no time."));
+    keys.push_back(
+        model.number("restitution_threshold", "m/s", {0, 2}, AT(dynamics.restitution_threshold),
+                     "event: a slower normal approach does not bounce. Smaller makes endless small bounces."));
+    keys.push_back(model.number("flight_step", "s", {1e-4, 0.05}, AT(dynamics.flight_step),
+                                "Longest step of the rotation in flight; the path of the centre of mass is exact."));
+    keys.push_back(model.number("rest_head", "m", {1e-9, 1e-2}, AT(dynamics.rest_head),
+                                "Kinetic energy per weight below which a block in static equilibrium may stop."));
+    keys.push_back(model.number("rest_time", "s", {0, 10}, AT(dynamics.rest_time),
+                                "How long it must stay so before it counts as at rest."));
+    keys.push_back(
+        model.number("solver_tolerance", "-", {1e-12, 1e-2}, AT(dynamics.solver.tolerance),
+                     "Largest residual of a contact problem relative to the velocities in it; smaller is slower."));
+    keys.push_back(model.flag("vertices_only", AT(dynamics.vertices_only),
+                              "Leave out contacts of terrain tips and crests: only to compare with codes that lack "
+                              "them; blocks then sink into crests."));
 }
 
 void add_output(std::vector<Setting<SiteSettings>>& keys) {
     const Row<SiteSettings> screens{"screens"}, deposits{"deposit_zones"}, output{"output"};
-    keys.push_back(screens.path("file", AT(screens.file), "Evaluation screens: lines, or polygons whose outline counts. The first crossing of each block is recorded."));
+    keys.push_back(screens.path(
+        "file", AT(screens.file),
+        "Evaluation screens: lines, or polygons whose outline counts. The first crossing of each block is recorded."));
     keys.push_back(screens.text("layer", AT(screens.layer), "Layer of that file; empty if it has only one."));
     keys.push_back(screens.text("field", AT(screens.field), "Text field with the screen's name."));
-    keys.push_back(deposits.path("file", AT(deposit_zones.file), "Polygons in which blocks that came to rest are counted."));
+    keys.push_back(
+        deposits.path("file", AT(deposit_zones.file), "Polygons in which blocks that came to rest are counted."));
     keys.push_back(deposits.text("layer", AT(deposit_zones.layer), "Layer of that file; empty if it has only one."));
     keys.push_back(deposits.text("field", AT(deposit_zones.field), "Text field with the zone's name."));
     keys.push_back(output.path("directory", AT(output_directory), "Folder of the results; --output overrides it."));
-    keys.push_back(output.integer("trajectories", {0, 1e7}, AT(trajectories), "How many of the first blocks to keep as lines."));
-    keys.push_back(output.number("resolution", "m", kNotNegative, AT(result_resolution), "Cell of the result rasters; 0 takes the model's cells."));
+    keys.push_back(
+        output.integer("trajectories", {0, 1e7}, AT(trajectories), "How many of the first blocks to keep as lines."));
+    keys.push_back(output.number("resolution", "m", kNotNegative, AT(result_resolution),
+                                 "Cell of the result rasters; 0 takes the model's cells."));
 }
 
 }  // namespace
@@ -261,9 +353,13 @@ std::span<const Setting<Soil>> soil_keys() {
         const Row<Soil> soil{"soil"};
         return std::vector<Setting<Soil>>{
             soil.text("name", AT_SOIL(name), "Name that zones refer to. Required, unique."),
-            soil.number("restitution", "-", {0, 1}, AT_SOIL(restitution), "e of Newton's impact law. Larger bounces higher and runs farther."),
-            soil.number("friction", "-", {0, 10}, AT_SOIL(friction), "mu of Coulomb friction. Larger slides less and rolls more."),
-            soil.number("rolling", "m", {0, 10}, AT_SOIL(rolling), "mu_r, lever arm of the rolling resistance: a length. Larger stops earlier, small blocks first.")};
+            soil.number("restitution", "-", {0, 1}, AT_SOIL(restitution),
+                        "e of Newton's impact law. Larger bounces higher and runs farther."),
+            soil.number("friction", "-", {0, 10}, AT_SOIL(friction),
+                        "mu of Coulomb friction. Larger slides less and rolls more."),
+            soil.number(
+                "rolling", "m", {0, 10}, AT_SOIL(rolling),
+                "mu_r, lever arm of the rolling resistance: a length. Larger stops earlier, small blocks first.")};
     }();
     return keys;
 }
@@ -271,11 +367,13 @@ std::span<const Setting<Soil>> soil_keys() {
 std::string section_help(const std::string& section) {
     if (section == "site") return "What the results are called.";
     if (section == "terrain") return "The ground.";
-    if (section == "soil") return "One or more: contact parameters of a kind of ground (Bourrier & Acary 2022, Table 1).";
+    if (section == "soil")
+        return "One or more: contact parameters of a kind of ground (Bourrier & Acary 2022, Table 1).";
     if (section == "zones") return "Where which soil lies.";
     if (section == "blocks") return "What falls.";
     if (section == "release") return "Where and how blocks start.";
-    if (section == "model") return "The mechanics. Change with care: the defaults are those at which the statistics have converged.";
+    if (section == "model")
+        return "The mechanics. Change with care: the defaults are those at which the statistics have converged.";
     if (section == "screens") return "Where passing blocks are measured.";
     if (section == "deposit_zones") return "Where stopped blocks are counted.";
     if (section == "output") return "What is written where.";
@@ -311,14 +409,17 @@ std::string settings_manual() {
     const SiteSettings defaults;
     const Soil soil;
     std::ostringstream out;
-    out << "# Keys of the site file\n\nPaths are relative to the site file. A key that is not listed here is an error. Any key can be set on the command line: "
+    out << "# Keys of the site file\n\nPaths are relative to the site file. A key that is not listed here is an error. "
+           "Any key can be set on the command line: "
            "`--set terrain.resolution=2`, `--set \"soil.loose waste.rolling=0.05\"`.\n";
     std::string section;
     auto head = [&](const std::string& name, bool list) {
-        out << "\n## " << (list ? "[[" : "[") << name << (list ? "]]" : "]") << "\n\n" << section_help(name) << "\n\n| key | unit | default | allowed | meaning |\n|---|---|---|---|---|\n";
+        out << "\n## " << (list ? "[[" : "[") << name << (list ? "]]" : "]") << "\n\n"
+            << section_help(name) << "\n\n| key | unit | default | allowed | meaning |\n|---|---|---|---|---|\n";
     };
     auto row = [&](const auto& key, const std::string& value) {
-        out << "| `" << key.key << "` | " << key.unit << " | `" << value << "` | " << key.allowed << " | " << key.help << " |\n";
+        out << "| `" << key.key << "` | " << key.unit << " | `" << value << "` | " << key.allowed << " | " << key.help
+            << " |\n";
     };
     for (const auto& key : site_keys()) {
         if (key.section != section) {

@@ -27,7 +27,8 @@ std::vector<Vec3> read_binary_stl(const std::string& text) {
         std::array<float, 12> values{};
         std::memcpy(values.data(), text.data() + at, 48);
         for (std::size_t k = 3; k < 12; k += 3)
-            points.emplace_back(static_cast<double>(values[k]), static_cast<double>(values[k + 1]), static_cast<double>(values[k + 2]));
+            points.emplace_back(static_cast<double>(values[k]), static_cast<double>(values[k + 1]),
+                                static_cast<double>(values[k + 2]));
     }
     return points;
 }
@@ -50,9 +51,12 @@ std::vector<Vec3> read_text_points(const std::string& text, const std::string& e
         }
         Vec3 p;
         if (!(words >> p.x() >> p.y() >> p.z()) || !p.allFinite())
-            throw InputError(file + ":" + std::to_string(number) + ": \"" + line + "\" is no point: give three finite numbers x y z [m]");
+            throw InputError(file + ":" + std::to_string(number) + ": \"" + line +
+                             "\" is no point: give three finite numbers x y z [m]");
         points.push_back(p);
-        if (points.size() > kMostPoints) throw InputError(file + " has more than " + std::to_string(kMostPoints) + " points: thin it out, the hull needs a few hundred");
+        if (points.size() > kMostPoints)
+            throw InputError(file + " has more than " + std::to_string(kMostPoints) +
+                             " points: thin it out, the hull needs a few hundred");
     }
     return points;
 }
@@ -65,9 +69,12 @@ std::vector<Vec3> read_shape_points(const std::filesystem::path& file) {
     std::ostringstream buffer;
     buffer << in.rdbuf();
     const std::string text = buffer.str();
-    const std::vector<Vec3> points =
-        file.extension() == ".stl" && is_binary_stl(text) ? read_binary_stl(text) : read_text_points(text, file.extension().string(), file.string());
-    if (points.size() < 4) throw InputError(file.string() + " holds " + std::to_string(points.size()) + " points; a block needs at least 4 (x y z per line, OBJ or STL)");
+    const std::vector<Vec3> points = file.extension() == ".stl" && is_binary_stl(text)
+                                         ? read_binary_stl(text)
+                                         : read_text_points(text, file.extension().string(), file.string());
+    if (points.size() < 4)
+        throw InputError(file.string() + " holds " + std::to_string(points.size()) +
+                         " points; a block needs at least 4 (x y z per line, OBJ or STL)");
     convex_hull(points);  // refuses what spans no volume
     return points;
 }

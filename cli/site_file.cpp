@@ -20,7 +20,9 @@ std::string read_text(const std::filesystem::path& file) {
     if (std::filesystem::is_directory(file))
         throw InputError(file.string() + " is a folder: give the site file in it, " + (file / "site.toml").string());
     std::ifstream in(file, std::ios::binary);
-    if (!in) throw InputError("site file " + file.string() + " cannot be read: check the path, or write a new one with scree init FOLDER");
+    if (!in)
+        throw InputError("site file " + file.string() +
+                         " cannot be read: check the path, or write a new one with scree init FOLDER");
     std::ostringstream text;
     text << in.rdbuf();
     return text.str();
@@ -31,7 +33,8 @@ toml::table parse(const std::string& text, const std::string& name) {
         return toml::parse(text, name);
     } catch (const toml::parse_error& e) {
         std::ostringstream message;
-        message << name << ":" << e.source().begin.line << ":" << e.source().begin.column << ": not valid TOML (UTF-8): " << e.description();
+        message << name << ":" << e.source().begin.line << ":" << e.source().begin.column
+                << ": not valid TOML (UTF-8): " << e.description();
         throw InputError(message.str());
     }
 }
@@ -66,7 +69,8 @@ std::size_t edit_distance(const std::string& a, const std::string& b) {
         last = key.section;
     }
     consider("soil");
-    throw InputError(where + ": the section [" + name + "] is unknown; " + (distance <= 2 ? "did you mean [" + best + "]?" : "there are " + known) +
+    throw InputError(where + ": the section [" + name + "] is unknown; " +
+                     (distance <= 2 ? "did you mean [" + best + "]?" : "there are " + known) +
                      " (scree settings lists all keys)");
 }
 
@@ -81,7 +85,9 @@ std::size_t edit_distance(const std::string& a, const std::string& b) {
         }
         if (key.section == section) siblings += (siblings.empty() ? "" : ", ") + key.key;
     }
-    std::string hint = distance <= 3 ? "; did you mean " + best + "?" : siblings.empty() ? "" : "; [" + section + "] knows " + siblings;
+    std::string hint = distance <= 3      ? "; did you mean " + best + "?"
+                       : siblings.empty() ? ""
+                                          : "; [" + section + "] knows " + siblings;
     throw InputError(where + ": the key " + name + " is unknown" + hint + " (scree settings lists all keys)");
 }
 
@@ -97,18 +103,22 @@ void read_soils(const toml::node& node, const std::string& file, std::vector<Soi
         Soil soil;
         for (const auto& [key, value] : *entry.as_table()) {
             const std::string name(key.str());
-            const auto known = std::find_if(soil_keys().begin(), soil_keys().end(), [&](const auto& k) { return k.key == name; });
+            const auto known =
+                std::find_if(soil_keys().begin(), soil_keys().end(), [&](const auto& k) { return k.key == name; });
             if (known == soil_keys().end())
-                throw InputError(location(file, value) + ": [[soil]] has no key " + name + "; it knows name, restitution, friction, rolling");
+                throw InputError(location(file, value) + ": [[soil]] has no key " + name +
+                                 "; it knows name, restitution, friction, rolling");
             known->read(soil, value, location(file, value));
         }
-        if (soil.name.empty()) throw InputError(location(file, entry) + ": a [[soil]] has no name: zones refer to soils by name");
+        if (soil.name.empty())
+            throw InputError(location(file, entry) + ": a [[soil]] has no name: zones refer to soils by name");
         if (std::any_of(soils.begin(), soils.end(), [&](const Soil& s) { return s.name == soil.name; }))
             throw InputError(location(file, entry) + ": two soils are called \"" + soil.name + "\": names must differ");
         soils.push_back(soil);
     }
     if (soils.size() > static_cast<std::size_t>(kMaxSoils))
-        throw InputError(location(file, node) + ": " + std::to_string(soils.size()) + " soils; at most " + std::to_string(kMaxSoils) + " are possible");
+        throw InputError(location(file, node) + ": " + std::to_string(soils.size()) + " soils; at most " +
+                         std::to_string(kMaxSoils) + " are possible");
 }
 
 /// Puts `--set section.key=value` into the table as if it stood in the file. The value is TOML; what is no TOML is a text.
@@ -130,7 +140,8 @@ void apply_change(toml::table& table, const std::string& change) {
     if (section == "soil") {
         // soil.NAME.key, or soil.NUMBER.key counted from 0
         const auto last = key.rfind('.');
-        if (last == std::string::npos) throw InputError("--set " + change + ": say which soil, soil.NAME." + key + "=" + text);
+        if (last == std::string::npos)
+            throw InputError("--set " + change + ": say which soil, soil.NAME." + key + "=" + text);
         const std::string which = key.substr(0, last);
         key = key.substr(last + 1);
         toml::array* soils = table["soil"].as_array();
@@ -138,7 +149,8 @@ void apply_change(toml::table& table, const std::string& change) {
             toml::table* soil = (*soils)[i].as_table();
             if (soil && ((*soil)["name"].value_or(std::string()) == which || std::to_string(i) == which)) target = soil;
         }
-        if (!target) throw InputError("--set " + change + ": there is no [[soil]] called \"" + which + "\" in the site file");
+        if (!target)
+            throw InputError("--set " + change + ": there is no [[soil]] called \"" + which + "\" in the site file");
     } else {
         if (!table.contains(section)) table.insert_or_assign(section, toml::table{});
         target = table[section].as_table();
@@ -159,7 +171,8 @@ void check_together(const SiteFile& site) {
     if (s.dtm.empty()) missing += " terrain.dtm";
     if (s.release.file.empty()) missing += " release.file";
     if (s.soils.empty()) missing += " [[soil]]";
-    require(missing.empty(), file + ": required keys are missing:" + missing + " (scree init FOLDER writes a commented example)");
+    require(missing.empty(),
+            file + ": required keys are missing:" + missing + " (scree init FOLDER writes a commented example)");
     auto ordered = [&](double low, double high, const char* a, const char* b) {
         std::ostringstream values;
         values << a << " = " << low << " is larger than " << b << " = " << high;
@@ -169,7 +182,8 @@ void check_together(const SiteFile& site) {
     ordered(s.distribution.ratio_21[0], s.distribution.ratio_21[1], "blocks.ratio_21_min", "blocks.ratio_21_max");
     ordered(s.distribution.ratio_32[0], s.distribution.ratio_32[1], "blocks.ratio_32_min", "blocks.ratio_32_max");
     ordered(s.dynamics.activation_gap, s.dynamics.release_gap, "model.activation_gap", "model.release_gap");
-    require(s.shape != BlockShape::File || !s.shape_file.empty(), file + ": blocks.shape = \"file\" needs blocks.shape_file");
+    require(s.shape != BlockShape::File || !s.shape_file.empty(),
+            file + ": blocks.shape = \"file\" needs blocks.shape_file");
     if (!s.default_soil.empty()) {
         std::string names;
         bool found = false;
@@ -198,13 +212,17 @@ SiteFile read_site_file(const std::filesystem::path& file, const std::vector<std
             continue;
         }
         if (section_name == "effect")
-            throw InputError(location(name, node) + ": [[effect]]: this version knows no effects beyond the contact law; remove the entry");
+            throw InputError(location(name, node) +
+                             ": [[effect]]: this version knows no effects beyond the contact law; remove the entry");
         const toml::table* keys = node.as_table();
         if (section_help(section_name).empty()) unknown_section(location(name, node), section_name);
-        if (!keys) throw InputError(location(name, node) + ": " + section_name + " must be a table: begin it with [" + section_name + "]");
+        if (!keys)
+            throw InputError(location(name, node) + ": " + section_name + " must be a table: begin it with [" +
+                             section_name + "]");
         for (const auto& [key, value] : *keys) {
             const std::string key_name = section_name + "." + std::string(key.str());
-            const auto known = std::find_if(site_keys().begin(), site_keys().end(), [&](const auto& k) { return k.name() == key_name; });
+            const auto known = std::find_if(site_keys().begin(), site_keys().end(),
+                                            [&](const auto& k) { return k.name() == key_name; });
             if (known == site_keys().end()) unknown_key(location(name, value), key_name);
             known->read(site.settings, value, location(name, value));
         }

@@ -13,7 +13,9 @@ namespace scree::cli {
 
 namespace {
 
-void append(std::vector<std::string>& to, const std::vector<std::string>& from) { to.insert(to.end(), from.begin(), from.end()); }
+void append(std::vector<std::string>& to, const std::vector<std::string>& from) {
+    to.insert(to.end(), from.begin(), from.end());
+}
 
 gis::SoilZoneSettings zone_settings(const SiteSettings& s) {
     gis::SoilZoneSettings zones;
@@ -73,7 +75,8 @@ BlockPopulation make_population(const SiteFile& site, SiteModel& model) {
     const gis::BlockList list = gis::read_block_list(site.resolve(s.block_list).string());
     append(model.warnings, list.warnings);
     model.inputs.push_back(site.resolve(s.block_list).string());
-    for (const gis::BlockRow& row : list.blocks) population.list.push_back({row.id, row.mass, {row.l1, row.l2, row.l3}});
+    for (const gis::BlockRow& row : list.blocks)
+        population.list.push_back({row.id, row.mass, {row.l1, row.l2, row.l3}});
     return population;
 }
 
@@ -110,7 +113,8 @@ SiteTerrain load_terrain(const SiteFile& site) {
         terrain.surface = make_mesh_surface(std::move(*terrain.data.mesh));
         words << terrain.surface->facet_count() << " facets of a triangulated mesh";
         if (terrain.data.triangulation)
-            words << "; heights differ from the grid by " << terrain.data.triangulation->rms_error << " m (rms), " << terrain.data.triangulation->max_error << " m (largest)";
+            words << "; heights differ from the grid by " << terrain.data.triangulation->rms_error << " m (rms), "
+                  << terrain.data.triangulation->max_error << " m (largest)";
     } else {
         terrain.surface = make_grid_surface(terrain.data.grid, std::move(terrain.data.grid_soil));
         words << terrain.surface->facet_count() << " facets, two a cell";
@@ -119,8 +123,8 @@ SiteTerrain load_terrain(const SiteFile& site) {
     return terrain;
 }
 
-gis::VectorData read_site_layer(const SiteFile& site, const VectorInput& input, const char* purpose, std::vector<GeometryKind> kinds,
-                                const SiteTerrain& terrain) {
+gis::VectorData read_site_layer(const SiteFile& site, const VectorInput& input, const char* purpose,
+                                std::vector<GeometryKind> kinds, const SiteTerrain& terrain) {
     gis::VectorSource source;
     source.file = site.resolve(input.file).string();
     source.layer = input.layer;
@@ -138,29 +142,36 @@ SiteModel load_site(const SiteFile& site) {
     if (!s.zones.file.empty()) model.inputs.push_back(site.resolve(s.zones.file).string());
     if (!s.breaklines.file.empty()) model.inputs.push_back(site.resolve(s.breaklines.file).string());
 
-    model.release = read_site_layer(site, s.release, "release", {GeometryKind::Polygon, GeometryKind::LineString, GeometryKind::Point}, model.terrain);
+    model.release =
+        read_site_layer(site, s.release, "release",
+                        {GeometryKind::Polygon, GeometryKind::LineString, GeometryKind::Point}, model.terrain);
     append(model.warnings, model.release.report.warnings);
     model.inputs.push_back(site.resolve(s.release.file).string());
     try {
-        model.area = std::make_unique<ReleaseArea>(model.release.layer, *model.terrain.surface, s.releases.pattern, model.terrain.data.grid.shape);
+        model.area = std::make_unique<ReleaseArea>(model.release.layer, *model.terrain.surface, s.releases.pattern,
+                                                   model.terrain.data.grid.shape);
     } catch (const InputError& e) {
-        throw InputError(model.release.report.file + ": " + e.what() + " (the terrain is " + model.terrain.data.dtm.file + ")");  // the core knows no files
+        throw InputError(model.release.report.file + ": " + e.what() + " (the terrain is " +
+                         model.terrain.data.dtm.file + ")");  // the core knows no files
     }
     if (model.area->inside_share() < 0.999) {
         const int percent = static_cast<int>(std::lround(100.0 * (1.0 - model.area->inside_share())));
-        model.warnings.push_back(s.release.file + ": about " + std::to_string(percent) + " % of the release features lie off the terrain; blocks start on the rest only");
+        model.warnings.push_back(s.release.file + ": about " + std::to_string(percent) +
+                                 " % of the release features lie off the terrain; blocks start on the rest only");
     }
 
     CampaignInput& c = model.campaign;
     c.population = make_population(site, model);
     if (!s.screens.file.empty()) {
-        model.screens = read_site_layer(site, s.screens, "screens", {GeometryKind::LineString, GeometryKind::Polygon}, model.terrain);
+        model.screens = read_site_layer(site, s.screens, "screens", {GeometryKind::LineString, GeometryKind::Polygon},
+                                        model.terrain);
         append(model.warnings, model.screens->report.warnings);
         model.inputs.push_back(site.resolve(s.screens.file).string());
         c.screens = make_screens(*model.screens, s.screens.field);
     }
     if (!s.deposit_zones.file.empty()) {
-        model.deposit_zones = read_site_layer(site, s.deposit_zones, "deposit zones", {GeometryKind::Polygon}, model.terrain);
+        model.deposit_zones =
+            read_site_layer(site, s.deposit_zones, "deposit zones", {GeometryKind::Polygon}, model.terrain);
         append(model.warnings, model.deposit_zones->report.warnings);
         model.inputs.push_back(site.resolve(s.deposit_zones.file).string());
         c.deposit_zones = make_deposit_zones(*model.deposit_zones, s.deposit_zones.field);
@@ -172,8 +183,10 @@ SiteModel load_site(const SiteFile& site) {
     c.release = s.releases;
     c.release.azimuth = radians_from_degrees(s.azimuth_deg);
     c.release.elevation = radians_from_degrees(s.elevation_deg);
-    if (s.releases.pattern == ReleasePattern::Cells && s.releases.count < static_cast<std::int64_t>(model.area->cell_count()))
-        model.warnings.push_back("release.count = " + std::to_string(s.releases.count) + " is less than the " + std::to_string(model.area->cell_count()) +
+    if (s.releases.pattern == ReleasePattern::Cells &&
+        s.releases.count < static_cast<std::int64_t>(model.area->cell_count()))
+        model.warnings.push_back("release.count = " + std::to_string(s.releases.count) + " is less than the " +
+                                 std::to_string(model.area->cell_count()) +
                                  " start cells: some cells release no block");
     c.seed = static_cast<std::uint64_t>(s.seed);
     c.result_cells = result_cells(model.terrain.data.grid.shape, s.result_resolution);

@@ -30,39 +30,39 @@ struct SiteSettings {
     std::string name = "Scree";
 
     std::string dtm;
-    double resolution = 0.0;           ///< 0: that of the DTM [m]
+    double resolution = 0.0;  ///< 0: that of the DTM [m]
     SurfaceKind surface = SurfaceKind::Grid;
-    double tolerance = 0.1;            ///< of the tin [m]
-    bool conforming = false;           ///< facets end at soil boundaries
+    double tolerance = 0.1;   ///< of the tin [m]
+    bool conforming = false;  ///< facets end at soil boundaries
     VectorInput breaklines;
 
     std::vector<Soil> soils;
     VectorInput zones{{}, {}, "soil"};
-    std::string default_soil;          ///< empty: the first soil
-    std::string priority_field;        ///< empty: overlapping zones are an error
+    std::string default_soil;    ///< empty: the first soil
+    std::string priority_field;  ///< empty: overlapping zones are an error
 
     std::string block_list;
     BlockOrder block_order = BlockOrder::Random;
     BlockShape shape = BlockShape::Hull;
-    int points = 50;                   ///< [-]
+    int points = 50;  ///< [-]
     std::string shape_file;
     BlockDistribution distribution;
 
     VectorInput release;
-    ReleaseSettings releases;          ///< without the angles
-    double azimuth_deg = 0.0;          ///< of the initial speed, clockwise from north [deg]
-    double elevation_deg = 0.0;        ///< of the initial speed above the horizontal [deg]
+    ReleaseSettings releases;    ///< without the angles
+    double azimuth_deg = 0.0;    ///< of the initial speed, clockwise from north [deg]
+    double elevation_deg = 0.0;  ///< of the initial speed above the horizontal [deg]
 
-    std::int64_t dimension = 3;        ///< [-]
+    std::int64_t dimension = 3;  ///< [-]
     DynamicsSettings dynamics;
-    std::int64_t seed = 1;             ///< [-]
+    std::int64_t seed = 1;  ///< [-]
 
     VectorInput screens{{}, {}, "name"};
     VectorInput deposit_zones{{}, {}, "name"};
 
     std::string output_directory = "out";
-    std::int64_t trajectories = 100;   ///< [-]
-    double result_resolution = 0.0;    ///< 0: that of the model [m]
+    std::int64_t trajectories = 100;  ///< [-]
+    double result_resolution = 0.0;   ///< 0: that of the model [m]
 };
 
 }  // namespace scree::cli

@@ -88,8 +88,8 @@ bool write_pixels(GDALRasterBand& band, const Pixels& pixels) {
 }
 
 /// The raster in GDAL's memory, placed on the map.
-DatasetPtr in_memory(const LocalFrame& frame, OGRSpatialReference* srs, const RasterLayer& layer,
-                        const Pixels& pixels, float no_data) {
+DatasetPtr in_memory(const LocalFrame& frame, OGRSpatialReference* srs, const RasterLayer& layer, const Pixels& pixels,
+                     float no_data) {
     GDALDriver* driver = GetGDALDriverManager()->GetDriverByName("MEM");
     DatasetPtr out(driver->Create("", pixels.columns, pixels.rows, 1, GDT_Float32, nullptr));
     if (!out) return nullptr;

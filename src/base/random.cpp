@@ -34,7 +34,9 @@ std::uint64_t RandomStream::bits() {
     return (static_cast<std::uint64_t>(high) << 32) | low;
 }
 
-double RandomStream::uniform() { return static_cast<double>(bits() >> 11) * 0x1.0p-53; }
+double RandomStream::uniform() {
+    return static_cast<double>(bits() >> 11) * 0x1.0p-53;
+}
 
 std::uint64_t RandomStream::below(std::uint64_t count) {
     SCREE_ASSERT(count > 0);

@@ -49,8 +49,10 @@ struct Sizes {
     std::size_t size() const { return count() * L; }
     template <class Numbers>
     static Numbers zeros(std::size_t n) {
-        if constexpr (C > 0) return Numbers{};
-        else return Numbers(n, 0.0);
+        if constexpr (C > 0)
+            return Numbers{};
+        else
+            return Numbers(n, 0.0);
     }
     Vector vector() const { return zeros<Vector>(size()); }
     Matrix matrix() const { return zeros<Matrix>(size() * size()); }
@@ -65,31 +67,34 @@ double norm(const Vector& x) {
 
 template <std::size_t T>
 double length(const double* x) {
-    if constexpr (T == 1) return std::abs(x[0]);
-    else return std::sqrt(x[0] * x[0] + x[1] * x[1]);
+    if constexpr (T == 1)
+        return std::abs(x[0]);
+    else
+        return std::sqrt(x[0] * x[0] + x[1] * x[1]);
 }
 
 /// The problem in scaled variables: W~ = S W S, q~ = S q, p = S p~, with one S for the translational and one for the rolling components.
 template <int Dim, int C>
 struct Scaled : Sizes<Dim, C> {
     using Size = Sizes<Dim, C>;
-    using typename Size::PerContact, typename Size::Vector, typename Size::Matrix;
     using Size::count, Size::size, Size::L, Size::T;
+    using typename Size::PerContact, typename Size::Vector, typename Size::Matrix;
 
     Matrix W = Size::matrix();
-    Vector q = Size::vector(), scale = Size::vector();              ///< scale: S
-    PerContact mu = Size::template zeros<PerContact>(count());      ///< unchanged
-    PerContact mu_r = Size::template zeros<PerContact>(count());    ///< scaled
+    Vector q = Size::vector(), scale = Size::vector();            ///< scale: S
+    PerContact mu = Size::template zeros<PerContact>(count());    ///< unchanged
+    PerContact mu_r = Size::template zeros<PerContact>(count());  ///< scaled
     double norm_q = 0.0;
 
     /// From numbers that lie `stride` apart from row to row.
-    Scaled(std::size_t contacts, const double* delassus, std::size_t stride, const double* free_velocity, const double* friction,
-           const double* rolling)
+    Scaled(std::size_t contacts, const double* delassus, std::size_t stride, const double* free_velocity,
+           const double* friction, const double* rolling)
         : Size(contacts) {
         for (std::size_t c = 0; c < count(); ++c) {
             double linear = 0.0, angular = 0.0;
             for (std::size_t k = 0; k < L; ++k) (k <= T ? linear : angular) += delassus[(c * L + k) * (stride + 1)];
-            const double s = 1.0 / std::sqrt(std::max(linear / Dim, kTiny)), s_r = 1.0 / std::sqrt(std::max(angular / T, kTiny));
+            const double s = 1.0 / std::sqrt(std::max(linear / Dim, kTiny)),
+                         s_r = 1.0 / std::sqrt(std::max(angular / T, kTiny));
             for (std::size_t k = 0; k < L; ++k) scale[c * L + k] = k <= T ? s : s_r;
             mu[c] = friction[c];
             mu_r[c] = rolling[c] * s / s_r;  // |m| <= mu_r r  <=>  s_r |m~| <= mu_r s r~
@@ -101,7 +106,8 @@ struct Scaled : Sizes<Dim, C> {
         norm_q = norm(q);
     }
     explicit Scaled(const ContactProblem<Dim>& p)
-        : Scaled(p.friction.size(), p.delassus.data(), p.friction.size() * L, p.free_velocity.data(), p.friction.data(), p.rolling.data()) {}
+        : Scaled(p.friction.size(), p.delassus.data(), p.friction.size() * L, p.free_velocity.data(), p.friction.data(),
+                 p.rolling.data()) {}
 
     /// u = W p + q. By columns, which are rows too: sums of independent entries, for the vectoriser.
     Vector velocity(const Vector& p) const {
@@ -123,8 +129,8 @@ struct Scaled : Sizes<Dim, C> {
 /// Residual F of the nonsmooth equations and, if wanted, its generalised Jacobian. Per contact with sigma = r_N - u_N:
 ///   F_N = u_N if sigma > 0 else r_N;   F_T = r_T - proj_{|y| <= mu max(sigma, 0)} (y), y = r_T - u_T;   F_R alike with mu_r.
 template <int Dim, int C>
-[[gnu::noinline]] double residual(const Scaled<Dim, C>& s, const typename Scaled<Dim, C>::Vector& p, typename Scaled<Dim, C>::Vector& F,
-                                  typename Scaled<Dim, C>::Matrix* jacobian) {
+[[gnu::noinline]] double residual(const Scaled<Dim, C>& s, const typename Scaled<Dim, C>::Vector& p,
+                                  typename Scaled<Dim, C>::Vector& F, typename Scaled<Dim, C>::Matrix* jacobian) {
     constexpr std::size_t T = Scaled<Dim, C>::T, L = Scaled<Dim, C>::L;
     const std::size_t size = s.size();
     const typename Scaled<Dim, C>::Vector u = s.velocity(p);
@@ -200,7 +206,8 @@ void solve_linear(std::size_t size, Matrix& A, Vector& b) {
 
 /// Newton with backtracking. Returns the relative residual; p is the best point met.
 template <int Dim, int C>
-[[gnu::noinline]] double newton(const Scaled<Dim, C>& s, double tolerance, int iterations, typename Scaled<Dim, C>::Vector& p, int& used) {
+[[gnu::noinline]] double newton(const Scaled<Dim, C>& s, double tolerance, int iterations,
+                                typename Scaled<Dim, C>::Vector& p, int& used) {
     using Vector = typename Scaled<Dim, C>::Vector;
     const std::size_t size = s.size();
     Vector F = s.vector(), trial_F = s.vector();
@@ -309,7 +316,8 @@ template <int Dim>
 
 /// One contact in scaled variables: take-off, sticking without rolling, else Newton, else bisection.
 template <int Dim>
-[[gnu::noinline]] typename Scaled<Dim, 1>::Vector solve_one(const Scaled<Dim, 1>& s, double tolerance, const typename Scaled<Dim, 1>::Vector& guess,
+[[gnu::noinline]] typename Scaled<Dim, 1>::Vector solve_one(const Scaled<Dim, 1>& s, double tolerance,
+                                                            const typename Scaled<Dim, 1>::Vector& guess,
                                                             int& newton_used, double& achieved) {
     constexpr std::size_t T = Scaled<Dim, 1>::T, L = Scaled<Dim, 1>::L;
     using Vector = typename Scaled<Dim, 1>::Vector;
@@ -402,7 +410,8 @@ double relative_residual(const Scaled<Dim, 0>& s, const std::vector<double>& p) 
 /// Continuation in compliance: contacts made soft by a share of their own diagonal are nearly independent, Newton then finds the solution
 /// from anywhere; the compliance is lowered to nothing while Newton follows.
 template <int Dim>
-std::vector<double> follow_compliance(const Scaled<Dim, 0>& s, double compliance, const ContactSolverSettings& settings, int& newton_used) {
+std::vector<double> follow_compliance(const Scaled<Dim, 0>& s, double compliance, const ContactSolverSettings& settings,
+                                      int& newton_used) {
     Scaled<Dim, 0> soft = s;
     auto soften = [&] {
         for (std::size_t i = 0; i < s.W.size(); i += s.size() + 1) soft.W[i] = s.W[i] * (1.0 + compliance);
@@ -420,7 +429,8 @@ std::vector<double> follow_compliance(const Scaled<Dim, 0>& s, double compliance
 
 /// What Newton alone has left unsolved; `best` is where it got to.
 template <int Dim>
-void solve_hard(const Scaled<Dim, 0>& s, const ContactSolverSettings& settings, std::vector<double>& best, ContactSolverReport& report) {
+void solve_hard(const Scaled<Dim, 0>& s, const ContactSolverSettings& settings, std::vector<double>& best,
+                ContactSolverReport& report) {
     std::vector<double> p;
     auto keep_if_better = [&](double achieved) {
         if (!(achieved < report.residual)) return;
@@ -449,7 +459,8 @@ void solve_hard(const Scaled<Dim, 0>& s, const ContactSolverSettings& settings, 
 }
 
 template <int Dim, int C>
-ContactSolverReport solve(const ContactProblem<Dim>& problem, const ContactSolverSettings& settings, Eigen::VectorXd& impulse) {
+ContactSolverReport solve(const ContactProblem<Dim>& problem, const ContactSolverSettings& settings,
+                          Eigen::VectorXd& impulse) {
     const Scaled<Dim, C> s(problem);
     auto p = s.scaled_impulse(impulse);
     ContactSolverReport report;
@@ -461,7 +472,8 @@ ContactSolverReport solve(const ContactProblem<Dim>& problem, const ContactSolve
             start_together<Dim, C>(s, p);  // sorts out most of the contact states
             ++report.sweeps;
         }
-        report.residual = newton<Dim, C>(s, settings.tolerance, settings.newton_iterations, p, report.newton_iterations);
+        report.residual =
+            newton<Dim, C>(s, settings.tolerance, settings.newton_iterations, p, report.newton_iterations);
         if (report.residual > settings.tolerance) {
             std::vector<double> best(p.begin(), p.end());
             solve_hard<Dim>(Scaled<Dim, 0>(problem), settings, best, report);
@@ -477,15 +489,22 @@ ContactSolverReport solve(const ContactProblem<Dim>& problem, const ContactSolve
 }  // namespace
 
 template <int Dim>
-ContactSolverReport solve_contacts(const ContactProblem<Dim>& problem, const ContactSolverSettings& settings, Eigen::VectorXd& impulse) {
+ContactSolverReport solve_contacts(const ContactProblem<Dim>& problem, const ContactSolverSettings& settings,
+                                   Eigen::VectorXd& impulse) {
     SCREE_ASSERT(impulse.size() == problem.free_velocity.size());
     switch (problem.count) {  // sizes known to the compiler for the cases that matter
-        case 0: return {SolverStatus::Converged, 0, 0, 0.0};
-        case 1: return solve<Dim, 1>(problem, settings, impulse);
-        case 2: return solve<Dim, 2>(problem, settings, impulse);
-        case 3: return solve<Dim, 3>(problem, settings, impulse);
-        case 4: return solve<Dim, 4>(problem, settings, impulse);
-        default: return solve<Dim, 0>(problem, settings, impulse);
+        case 0:
+            return {SolverStatus::Converged, 0, 0, 0.0};
+        case 1:
+            return solve<Dim, 1>(problem, settings, impulse);
+        case 2:
+            return solve<Dim, 2>(problem, settings, impulse);
+        case 3:
+            return solve<Dim, 3>(problem, settings, impulse);
+        case 4:
+            return solve<Dim, 4>(problem, settings, impulse);
+        default:
+            return solve<Dim, 0>(problem, settings, impulse);
     }
 }
 

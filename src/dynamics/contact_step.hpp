@@ -2,6 +2,7 @@
 #pragma once
 
 #include "dynamics/rigid_motion.hpp"
+
 #include "scree/dynamics/contact.hpp"
 #include "scree/dynamics/contact_solver.hpp"
 #include "scree/dynamics/soil.hpp"
@@ -16,7 +17,8 @@ namespace scree {
 /// Orthonormal contact frame (N, T1, T2), right-handed, for every unit N.
 inline Mat3 contact_frame(const Vec3& n) {
     const Vec3 a = n.cwiseAbs();
-    const Vec3 axis = a.x() <= a.y() && a.x() <= a.z() ? Vec3::UnitX() : (a.y() <= a.z() ? Vec3::UnitY() : Vec3::UnitZ());
+    const Vec3 axis =
+        a.x() <= a.y() && a.x() <= a.z() ? Vec3::UnitX() : (a.y() <= a.z() ? Vec3::UnitY() : Vec3::UnitZ());
     Mat3 frame;
     frame.col(0) = n;
     frame.col(1) = n.cross(axis).normalized();
@@ -80,11 +82,16 @@ public:
     /// Replaces velocity and spin of `state` by those after a step of length h (0: an impact) under `acceleration`.
     ContactSolverReport solve(double h, const Vec& acceleration, const RestitutionRule& rule, BlockState<Dim>& state) {
         switch (contacts_.size()) {  // sizes known to the compiler for the cases that matter
-            case 1: return solve_sized<kLocal>(h, acceleration, rule, state);
-            case 2: return solve_sized<2 * kLocal>(h, acceleration, rule, state);
-            case 3: return solve_sized<3 * kLocal>(h, acceleration, rule, state);
-            case 4: return solve_sized<4 * kLocal>(h, acceleration, rule, state);
-            default: return solve_sized<Eigen::Dynamic>(h, acceleration, rule, state);
+            case 1:
+                return solve_sized<kLocal>(h, acceleration, rule, state);
+            case 2:
+                return solve_sized<2 * kLocal>(h, acceleration, rule, state);
+            case 3:
+                return solve_sized<3 * kLocal>(h, acceleration, rule, state);
+            case 4:
+                return solve_sized<4 * kLocal>(h, acceleration, rule, state);
+            default:
+                return solve_sized<Eigen::Dynamic>(h, acceleration, rule, state);
         }
     }
 
@@ -111,14 +118,16 @@ private:
     };
 
     template <int N>
-    ContactSolverReport solve_sized(double h, const Vec& acceleration, const RestitutionRule& rule, BlockState<Dim>& state) {
+    ContactSolverReport solve_sized(double h, const Vec& acceleration, const RestitutionRule& rule,
+                                    BlockState<Dim>& state) {
         auto& problem = room_->problem;
         const Eigen::Index rows = room_->linear.rows();
         const Eigen::Map<const Eigen::Matrix<double, N, Dim>> linear(room_->linear.data(), rows, Dim);
         const Eigen::Map<const Eigen::Matrix<double, N, kSpin>> angular(room_->angular.data(), rows, kSpin);
         Eigen::Map<Eigen::Matrix<double, N, kSpin>> turned(room_->turned.data(), rows, kSpin);
         Eigen::Map<Eigen::Matrix<double, N, N>> delassus(problem.delassus.data(), rows, rows);
-        Eigen::Map<Eigen::Matrix<double, N, 1>> free_velocity(problem.free_velocity.data(), rows), impulse(room_->impulse.data(), rows);
+        Eigen::Map<Eigen::Matrix<double, N, 1>> free_velocity(problem.free_velocity.data(), rows),
+            impulse(room_->impulse.data(), rows);
 
         const auto response = spin_response(body_.moment, state.spin, h);
         const Vec velocity = state.velocity + h * acceleration;
@@ -132,7 +141,9 @@ private:
         if (rule.factor > 0.0) {
             for (std::size_t c = 0; c < contacts_.size(); ++c) {
                 const double before = normal_velocity(c, state);
-                if (before < -rule.threshold) free_velocity[static_cast<Eigen::Index>(c) * kLocal] += rule.factor * soils_[contacts_[c].soil].restitution * before;
+                if (before < -rule.threshold)
+                    free_velocity[static_cast<Eigen::Index>(c) * kLocal] +=
+                        rule.factor * soils_[contacts_[c].soil].restitution * before;
             }
         }
         impulse.setZero();
@@ -147,13 +158,14 @@ private:
     /// Contact forces of the last step, kept with the features that they acted on.
     struct Memory {
         ContactKey key;
-        typename Space<Dim>::Rotation frame;                  ///< contact frame [-]
-        Eigen::Matrix<double, kLocal, 1> force;               ///< impulse per time in that frame [N, N m]
+        typename Space<Dim>::Rotation frame;     ///< contact frame [-]
+        Eigen::Matrix<double, kLocal, 1> force;  ///< impulse per time in that frame [N, N m]
     };
     void remember(double h) {
         memory_.clear();
         for (std::size_t c = 0; c < contacts_.size(); ++c)
-            memory_.push_back({contacts_[c].key, contact_frame(contacts_[c].normal), room_->impulse.template segment<kLocal>(static_cast<Eigen::Index>(c) * kLocal) / h});
+            memory_.push_back({contacts_[c].key, contact_frame(contacts_[c].normal),
+                               room_->impulse.template segment<kLocal>(static_cast<Eigen::Index>(c) * kLocal) / h});
     }
     /// Forces hardly change from step to step: a good first guess for the solver.
     void guess_from_last_step(double h) {
@@ -170,7 +182,9 @@ private:
             }
         }
     }
-    static Vec3 moment_arm(const Vec3& arm, const Vec3& direction, const Mat3& rotation) { return rotation.transpose() * arm.cross(direction); }
+    static Vec3 moment_arm(const Vec3& arm, const Vec3& direction, const Mat3& rotation) {
+        return rotation.transpose() * arm.cross(direction);
+    }
     static Space<2>::Spin moment_arm(const Vec2& arm, const Vec2& direction, const Mat2&) {
         return Space<2>::Spin(arm.x() * direction.y() - arm.y() * direction.x());
     }

@@ -3,6 +3,7 @@
 
 #include "dynamics/contact_step.hpp"
 #include "dynamics/rigid_motion.hpp"
+
 #include "scree/base/assert.hpp"
 #include "scree/dynamics/trajectory.hpp"
 
@@ -31,8 +32,8 @@ public:
     using Spin = typename Space<Dim>::Spin;
     using State = BlockState<Dim>;
 
-    Engine(const BodyInertia<Dim>& body, Contacts& contacts, std::span<const Soil> soils, const DynamicsSettings& settings,
-           MotionSink<Dim>* sink)
+    Engine(const BodyInertia<Dim>& body, Contacts& contacts, std::span<const Soil> soils,
+           const DynamicsSettings& settings, MotionSink<Dim>* sink)
         : body_(body), finder_(contacts), settings_(settings), sink_(sink), step_(body, soils, settings.solver) {
         gravity_ = -settings.gravity * Vec::Unit(Dim - 1);
     }
@@ -123,7 +124,9 @@ private:
     }
 
     /// found_ becomes all contacts up to the release gap.
-    void find_contacts(const State& s) { finder_.detect(s.position, rotation_matrix(s.orientation), settings_.release_gap, found_); }
+    void find_contacts(const State& s) {
+        finder_.detect(s.position, rotation_matrix(s.orientation), settings_.release_gap, found_);
+    }
 
     /// When, between `before` and `after` (overlapping, dt later), the first gap closes. If the block overlaps already at the start, a short while later.
     double closing_time(const State& before, const State& after, double dt) {
@@ -164,7 +167,8 @@ private:
         previous_.swap(closed_);
         closed_.clear();
         for (const auto& c : found_) {
-            const bool was_closed = std::any_of(previous_.begin(), previous_.end(), [&](const Contact<Dim>& p) { return same_pair(p.key, c.key); });
+            const bool was_closed = std::any_of(previous_.begin(), previous_.end(),
+                                                [&](const Contact<Dim>& p) { return same_pair(p.key, c.key); });
             if (c.gap <= (was_closed ? settings_.release_gap : gap)) closed_.push_back(c);
         }
     }
@@ -174,7 +178,8 @@ private:
     bool impact() {
         step_.set_contacts(closed_, rotation_matrix(state_.orientation));
         bool fast = false;
-        for (std::size_t c = 0; c < closed_.size(); ++c) fast = fast || step_.normal_velocity(c, state_) < -settings_.impact_speed;
+        for (std::size_t c = 0; c < closed_.size(); ++c)
+            fast = fast || step_.normal_velocity(c, state_) < -settings_.impact_speed;
         if (!fast) return false;
         ++end_.counters.impacts;
         const double before = kinetic_energy(body_, state_);
@@ -286,7 +291,8 @@ private:
             for (const auto& c : closed_) shift += std::max(0.0, -c.gap - c.normal.dot(shift)) * c.normal;
         }
         const double lift = shift[Dim - 1];
-        const double budget = (energy_before - energy(state_) + kinetic_energy(body_, state_)) / (body_.mass * settings_.gravity);
+        const double budget =
+            (energy_before - energy(state_) + kinetic_energy(body_, state_)) / (body_.mass * settings_.gravity);
         if (lift > budget) shift *= std::max(budget, 0.0) / lift;
         state_.position = start + shift;
         for (auto& c : closed_) {
@@ -415,7 +421,8 @@ private:
         finder_.detect(p.position, rotation_matrix(p.orientation), 4.0 * reach + settings_.release_gap, found_);
         for (std::size_t c = 0; c < previous_.size(); ++c) {
             if (previous_[c].gap + 0.5 * h * step_.normal_velocity(c, s) > 0.0) continue;
-            const auto same = std::find_if(found_.begin(), found_.end(), [&](const Contact<Dim>& f) { return same_pair(f.key, previous_[c].key); });
+            const auto same = std::find_if(found_.begin(), found_.end(),
+                                           [&](const Contact<Dim>& f) { return same_pair(f.key, previous_[c].key); });
             closed_.push_back(same != found_.end() ? *same : previous_[c]);
         }
         return !closed_.empty();
@@ -468,17 +475,19 @@ private:
         if (++turns_ > kMostTurns) finish(StopReason::Failed);
     }
 
-    static constexpr double kTouch = 1e-6;              ///< gap at which a flight has landed [m]
-    static constexpr double kShortestFlight = 1e-7;     ///< resolution of closing times [s]
-    static constexpr double kEnergyTolerance = 1e-12;   ///< relative rise of energy in an impact that is rounding [-]
-    static constexpr double kAllowedRise = 1e-6;        ///< height of fall by which the solver's tolerance may raise the energy of a step [m]
-    static constexpr double kPenetrationSlop = 3e-4;    ///< overlap that is left alone [m]
-    static constexpr double kSameNormal = 1e-6;         ///< 1 - cosine below which two facets hold a vertex alike [-]
-    static constexpr double kSamePlace = 0.02;          ///< of the radius: contacts closer than this are at one place [-]
-    static constexpr double kEquilibriumShare = 1e-3;   ///< acceleration from rest, as a share of gravity, that counts as none [-]
-    static constexpr double kPlaceShare = 0.05;         ///< of the radius: a centre of mass that moves less stays in place [-]
-    static constexpr double kPlaceTime = 5.0;           ///< in place for so long is rest, whatever still turns [s]
-    static constexpr int kImpactsInARow = 1000;         ///< impacts at one moment: beyond, something is wrong
+    static constexpr double kTouch = 1e-6;             ///< gap at which a flight has landed [m]
+    static constexpr double kShortestFlight = 1e-7;    ///< resolution of closing times [s]
+    static constexpr double kEnergyTolerance = 1e-12;  ///< relative rise of energy in an impact that is rounding [-]
+    static constexpr double kAllowedRise =
+        1e-6;  ///< height of fall by which the solver's tolerance may raise the energy of a step [m]
+    static constexpr double kPenetrationSlop = 3e-4;  ///< overlap that is left alone [m]
+    static constexpr double kSameNormal = 1e-6;       ///< 1 - cosine below which two facets hold a vertex alike [-]
+    static constexpr double kSamePlace = 0.02;        ///< of the radius: contacts closer than this are at one place [-]
+    static constexpr double kEquilibriumShare =
+        1e-3;  ///< acceleration from rest, as a share of gravity, that counts as none [-]
+    static constexpr double kPlaceShare = 0.05;  ///< of the radius: a centre of mass that moves less stays in place [-]
+    static constexpr double kPlaceTime = 5.0;    ///< in place for so long is rest, whatever still turns [s]
+    static constexpr int kImpactsInARow = 1000;  ///< impacts at one moment: beyond, something is wrong
     static constexpr std::int64_t kMostTurns = 50'000'000;
 
     BodyInertia<Dim> body_;
@@ -489,7 +498,7 @@ private:
     Vec gravity_;
     State state_;
     double time_ = 0.0;
-    double still_ = 0.0;  ///< time in equilibrium [s]
+    double still_ = 0.0;                    ///< time in equilibrium [s]
     Vec place_ = Vec::Constant(kInfinity);  ///< where the centre of mass has stayed of late [m]
     double in_place_since_ = 0.0;           ///< [s]
     int impacts_in_a_row_ = 0;

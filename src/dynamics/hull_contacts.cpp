@@ -46,7 +46,12 @@ double arrival(double gap, double rate, double acceleration) {
 }  // namespace
 
 HullContacts::HullContacts(const ConvexBlock& block, const Surface& surface, bool vertices_only)
-    : block_(block), surface_(surface), vertices_only_(vertices_only), height_(block.x.size()), face_value_(block.nx.size()), face_slope_(block.nx.size()) {}
+    : block_(block),
+      surface_(surface),
+      vertices_only_(vertices_only),
+      height_(block.x.size()),
+      face_value_(block.nx.size()),
+      face_slope_(block.nx.size()) {}
 
 void HullContacts::cover(const Vec3& position, double reach) {
     const double half = block_.radius + reach;
@@ -61,7 +66,8 @@ void HullContacts::cover(const Vec3& position, double reach) {
     node_height_.clear();
     edge_height_.clear();
     for (const PatchNode& n : patch_.nodes) node_height_.push_back(patch_.plane.height(n.position));
-    for (const PatchEdge& e : patch_.edges) edge_height_.push_back(std::max(patch_.plane.height(e.a), patch_.plane.height(e.b)));
+    for (const PatchEdge& e : patch_.edges)
+        edge_height_.push_back(std::max(patch_.plane.height(e.a), patch_.plane.height(e.b)));
 }
 
 bool HullContacts::over_terrain(const Vec3& position) {
@@ -85,8 +91,12 @@ double HullContacts::clearance(const Vec3& position, const Mat3& rotation) {
 double HullContacts::free_time(const BlockState<3>& s, double spin_bound, double gravity, double& gap) {
     gap = kInfinity;
     const Mat3 rotation = s.orientation.toRotationMatrix();
-    const Flight flight{s.velocity, rotation * s.spin, spin_bound, kTurningBound * spin_bound * spin_bound * block_.radius,
-                        s.velocity.norm() + s.spin.norm() * block_.radius, gravity};
+    const Flight flight{s.velocity,
+                        rotation * s.spin,
+                        spin_bound,
+                        kTurningBound * spin_bound * spin_bound * block_.radius,
+                        s.velocity.norm() + s.spin.norm() * block_.radius,
+                        gravity};
     const double over_plane = time_over_plane(s.position, rotation, flight);
     if (over_plane > kNearTime) return over_plane;
     return std::max(over_plane, time_to_features(s.position, rotation, flight, gap));
@@ -106,8 +116,10 @@ double HullContacts::time_over_plane(const Vec3& position, const Mat3& rotation,
         double t = kLongestFlight;
         for (int k = 0; k < 2; ++k) {
             const double v = flight.velocity[k];
-            const double room = v > 0.0 ? ahead_box_.max[k] - block_.radius - position[k] : position[k] - block_.radius - ahead_box_.min[k];
-            const double behind = v > 0.0 ? position[k] - block_.radius - ahead_box_.min[k] : ahead_box_.max[k] - block_.radius - position[k];
+            const double room = v > 0.0 ? ahead_box_.max[k] - block_.radius - position[k]
+                                        : position[k] - block_.radius - ahead_box_.min[k];
+            const double behind = v > 0.0 ? position[k] - block_.radius - ahead_box_.min[k]
+                                          : ahead_box_.max[k] - block_.radius - position[k];
             if (!(room >= 0.0 && behind >= 0.0)) return -1.0;
             t = std::min(t, room / std::max(std::abs(v), 1e-9));
         }
@@ -127,7 +139,9 @@ double HullContacts::time_over_plane(const Vec3& position, const Mat3& rotation,
     if (time < inside) {
         measure_heights(position, rotation, ahead_);
         if (lowest_ > 0.0)
-            time = std::max(time, soonest_arrival(block_, height_.data(), rotation.transpose() * ahead_.normal.cross(flight.spin), rate, fall + flight.turning));
+            time = std::max(
+                time, soonest_arrival(block_, height_.data(), rotation.transpose() * ahead_.normal.cross(flight.spin),
+                                      rate, fall + flight.turning));
     }
     if (time < 0.5 * inside && horizon_ > kNearHorizon) {
         horizon_ *= 0.5;  // over rough or curved ground a near plane lies closer
@@ -139,7 +153,8 @@ double HullContacts::time_over_plane(const Vec3& position, const Mat3& rotation,
 }
 
 double HullContacts::time_to_features(const Vec3& position, const Mat3& rotation, const Flight& flight, double& gap) {
-    const double reach = std::clamp(kLookTime * flight.fastest, 0.02 * block_.inner_radius, kLookShare * block_.inner_radius);
+    const double reach =
+        std::clamp(kLookTime * flight.fastest, 0.02 * block_.inner_radius, kLookShare * block_.inner_radius);
     detect(position, rotation, reach, near_);
     double time = arrival(reach, -flight.fastest, flight.gravity);  // what is not listed
     for (const Contact<3>& c : near_) {
@@ -153,8 +168,9 @@ double HullContacts::time_to_features(const Vec3& position, const Mat3& rotation
             const double offset = c.normal.dot(position + c.arm);
             measure_heights(position, rotation, {c.normal, offset, true});
             if (lowest_ > 0.0)
-                t = std::max(t, soonest_arrival(block_, height_.data(), rotation.transpose() * c.normal.cross(flight.spin), c.normal.dot(flight.velocity),
-                                                flight.gravity + flight.turning));
+                t = std::max(t,
+                             soonest_arrival(block_, height_.data(), rotation.transpose() * c.normal.cross(flight.spin),
+                                             c.normal.dot(flight.velocity), flight.gravity + flight.turning));
         }
         time = std::min(time, t);
     }
@@ -166,15 +182,20 @@ double HullContacts::time_to_features(const Vec3& position, const Mat3& rotation
 double HullContacts::time_of_vertex(const Vec3& p, const Contact<3>& contact, const Flight& flight) const {
     const Vec3 u = flight.velocity_at(contact.arm);
     const double height = contact.gap / contact.normal.z();
-    auto time_over = [&](const Vec3& n) { return arrival(height, n.dot(u) / n.z(), flight.gravity + flight.turning / n.z()); };
+    auto time_over = [&](const Vec3& n) {
+        return arrival(height, n.dot(u) / n.z(), flight.gravity + flight.turning / n.z());
+    };
     double time = time_over(contact.normal);
     const Vec2 plan = p.head<2>();
     Box2 swept{plan, plan};
     swept.add(plan + time * u.head<2>());
     swept = swept.grown(0.5 * flight.turning * time * time);
-    const Vec2 low = ((swept.min - patch_.bin_origin) / patch_.bin_size).array().floor(), high = ((swept.max - patch_.bin_origin) / patch_.bin_size).array().floor();
-    for (int j = std::max(0, static_cast<int>(low.y())); j <= std::min(patch_.bin_rows - 1, static_cast<int>(high.y())); ++j) {
-        for (int i = std::max(0, static_cast<int>(low.x())); i <= std::min(patch_.bin_columns - 1, static_cast<int>(high.x())); ++i) {
+    const Vec2 low = ((swept.min - patch_.bin_origin) / patch_.bin_size).array().floor(),
+               high = ((swept.max - patch_.bin_origin) / patch_.bin_size).array().floor();
+    for (int j = std::max(0, static_cast<int>(low.y())); j <= std::min(patch_.bin_rows - 1, static_cast<int>(high.y()));
+         ++j) {
+        for (int i = std::max(0, static_cast<int>(low.x()));
+             i <= std::min(patch_.bin_columns - 1, static_cast<int>(high.x())); ++i) {
             for (const std::int32_t f : patch_.facets_in_bin(i, j)) {
                 const Vec3& n = patch_.facets[static_cast<std::size_t>(f)].normal;
                 if (n.dot(u) * contact.normal.z() < contact.normal.dot(u) * n.z()) time = std::min(time, time_over(n));
@@ -212,7 +233,8 @@ void HullContacts::advance_odometer(const Vec3& position, const Mat3& rotation) 
     last_rotation_ = rotation;
 }
 
-void HullContacts::add_vertex_contacts(const Vec3& position, const Mat3& rotation, double reach, std::vector<Contact<3>>& contacts) {
+void HullContacts::add_vertex_contacts(const Vec3& position, const Mat3& rotation, double reach,
+                                       std::vector<Contact<3>>& contacts) {
     for (Eigen::Index i = 0; i < block_.vertex_count(); ++i) {
         if (height_[i] > reach) continue;
         Contact<3> contact;
@@ -241,11 +263,13 @@ void HullContacts::add_other_facets(const Vec3& p, const PatchFacet& below, doub
     for (const Vec2& shift : {Vec2(-1, -1), Vec2(1, -1), Vec2(-1, 1), Vec2(1, 1)}) {
         for (const std::int32_t number : patch_.facets_near(plan + kValleyMargin * shift)) {
             const PatchFacet& f = patch_.facets[static_cast<std::size_t>(number)];
-            if (f.id == below.id || f.inset(plan) < -kValleyMargin || 1.0 - f.normal.dot(below.normal) < kSamePlane) continue;
+            if (f.id == below.id || f.inset(plan) < -kValleyMargin || 1.0 - f.normal.dot(below.normal) < kSamePlane)
+                continue;
             if (f.height(plan) > below.height(plan) || f.gap(p) > reach) continue;
-            const bool known = std::any_of(contacts.begin() + static_cast<std::ptrdiff_t>(first), contacts.end(), [&](const Contact<3>& c) {
-                return c.key.terrain == f.id || 1.0 - c.normal.dot(f.normal) < kSamePlane;
-            });
+            const bool known = std::any_of(
+                contacts.begin() + static_cast<std::ptrdiff_t>(first), contacts.end(), [&](const Contact<3>& c) {
+                    return c.key.terrain == f.id || 1.0 - c.normal.dot(f.normal) < kSamePlane;
+                });
             if (known) continue;
             contact.gap = f.gap(p);
             contact.normal = f.normal;
@@ -258,10 +282,11 @@ void HullContacts::add_other_facets(const Vec3& p, const PatchFacet& below, doub
 
 // A tip touches the face that it is least deep in, if the terrain around it falls away from that face's plane on all sides; else a crest or a vertex
 // touches nearer.
-void HullContacts::add_tip_contacts(const Vec3& position, const Mat3& rotation, double reach, std::vector<Contact<3>>& contacts) {
+void HullContacts::add_tip_contacts(const Vec3& position, const Mat3& rotation, double reach,
+                                    std::vector<Contact<3>>& contacts) {
     const double far = block_.radius + reach;
     for (std::size_t k = 0; k < patch_.nodes.size(); ++k) {
-        if (node_height_[k] < lowest_ - reach) continue;         // the block does not reach down there
+        if (node_height_[k] < lowest_ - reach) continue;        // the block does not reach down there
         if (odometer_ + reach < node_free_until_[k]) continue;  // it was farther away than the block has moved since
         const PatchNode& node = patch_.nodes[k];
         const Vec3 arm = node.position - position;
@@ -277,12 +302,15 @@ void HullContacts::add_tip_contacts(const Vec3& position, const Mat3& rotation, 
             node_free_until_[k] = odometer_ + outside * kOdometerShare;
             continue;
         }
-        const auto spokes = std::span(patch_.spokes).subspan(static_cast<std::size_t>(node.first), static_cast<std::size_t>(node.count));
+        const auto spokes = std::span(patch_.spokes)
+                                .subspan(static_cast<std::size_t>(node.first), static_cast<std::size_t>(node.count));
         Contact<3> contact;
         contact.gap = block_.normal(face).dot(p) - block_.offset[face];
         contact.normal = -(rotation * block_.normal(face));
         if (contact.gap < -block_.inner_radius) continue;
-        if (std::any_of(spokes.begin(), spokes.end(), [&](const PatchSpoke& s) { return contact.normal.dot(s.direction) > -kTipAngle; })) continue;
+        if (std::any_of(spokes.begin(), spokes.end(),
+                        [&](const PatchSpoke& s) { return contact.normal.dot(s.direction) > -kTipAngle; }))
+            continue;
         contact.arm = arm;
         double closest = -1.0;
         for (const PatchSpoke& s : spokes) {
@@ -298,10 +326,11 @@ void HullContacts::add_tip_contacts(const Vec3& position, const Mat3& rotation, 
 // Along the crest a + t (b - a), phi(t) = max_f (n_f.x - d_f) over the block's faces is convex and piecewise linear: its least value is how deep the crest
 // is in the block. Where that lies inside the crest, two faces meet: their common edge crosses the crest, and the combination of the two normals that
 // is perpendicular to the crest is the direction of contact. Where a face lies almost flat on the crest, the other end of the face touches too.
-void HullContacts::add_crest_contacts(const Vec3& position, const Mat3& rotation, double reach, std::vector<Contact<3>>& contacts) {
+void HullContacts::add_crest_contacts(const Vec3& position, const Mat3& rotation, double reach,
+                                      std::vector<Contact<3>>& contacts) {
     const double far = block_.radius + reach;
     for (std::size_t k = 0; k < patch_.edges.size(); ++k) {
-        if (edge_height_[k] < lowest_ - reach) continue;        // as above
+        if (edge_height_[k] < lowest_ - reach) continue;  // as above
         if (odometer_ + reach < edge_free_until_[k]) continue;
         const PatchEdge& edge = patch_.edges[k];
         const Vec3 along = edge.b - edge.a;
@@ -310,7 +339,8 @@ void HullContacts::add_crest_contacts(const Vec3& position, const Mat3& rotation
         // the direction from the crest's nearest point to the centre separates the two if the block does not reach that far
         const Vec3 to_crest = foot * along - from_a;
         const double distance = to_crest.norm();
-        const double room = distance > far ? distance - block_.radius : distance - support(block_, rotation.transpose() * to_crest) / distance;
+        const double room = distance > far ? distance - block_.radius
+                                           : distance - support(block_, rotation.transpose() * to_crest) / distance;
         if (room > reach) {
             edge_free_until_[k] = odometer_ + room * kOdometerShare;
             continue;
@@ -339,9 +369,12 @@ void HullContacts::add_crest_contacts(const Vec3& position, const Mat3& rotation
             if (bound > reach || top == left || top == right || phi <= bound + 1e-14) break;
             (face_slope_[top] < 0.0 ? left : right) = top;
         }
-        const double share = -face_slope_[right] / (face_slope_[left] - face_slope_[right]);  // of left: the sum is perpendicular to the crest
+        const double share =
+            -face_slope_[right] /
+            (face_slope_[left] - face_slope_[right]);  // of left: the sum is perpendicular to the crest
         const Vec3 outward = share * block_.normal(left) + (1.0 - share) * block_.normal(right);
-        if (!add_crest_contact(crest, t, outward, left, right, reach, rotation, contacts) && face_value_[left] + t * face_slope_[left] < 0.0)
+        if (!add_crest_contact(crest, t, outward, left, right, reach, rotation, contacts) &&
+            face_value_[left] + t * face_slope_[left] < 0.0)
             add_cut_corner(edge, position, rotation, contacts);
         add_far_end(crest, t, right, +1.0, reach, rotation, contacts);
         add_far_end(crest, t, left, -1.0, reach, rotation, contacts);
@@ -356,8 +389,9 @@ static bool falls_short(const Vec3& normal, const PatchEdge& edge, std::size_t s
 }
 
 // It counts only if both terrain facets fall away from the plane through the crest with this normal; false if they do not.
-bool HullContacts::add_crest_contact(const CrestInBody& crest, double t, const Vec3& outward, Eigen::Index face, Eigen::Index other_face, double reach,
-                                     const Mat3& rotation, std::vector<Contact<3>>& contacts) const {
+bool HullContacts::add_crest_contact(const CrestInBody& crest, double t, const Vec3& outward, Eigen::Index face,
+                                     Eigen::Index other_face, double reach, const Mat3& rotation,
+                                     std::vector<Contact<3>>& contacts) const {
     const double length = outward.norm();
     if (length < 1e-9) return true;
     Contact<3> contact;
@@ -377,7 +411,8 @@ bool HullContacts::add_crest_contact(const CrestInBody& crest, double t, const V
 // A crest that has cut into a corner of the block may be nearest to faces that it did not come through. What the terrain can push along are the
 // directions between the normals of the crest's facets: the contact is the one among them in which the overlap is least. At either end of the range a
 // vertex touches a facet, which is found as such.
-void HullContacts::add_cut_corner(const PatchEdge& edge, const Vec3& position, const Mat3& rotation, std::vector<Contact<3>>& contacts) {
+void HullContacts::add_cut_corner(const PatchEdge& edge, const Vec3& position, const Mat3& rotation,
+                                  std::vector<Contact<3>>& contacts) {
     auto direction = [&](double s) -> Vec3 { return ((1.0 - s) * edge.normal[0] + s * edge.normal[1]).normalized(); };
     auto separation = [&](double s) {
         const Vec3 n = direction(s);
@@ -428,17 +463,19 @@ void HullContacts::add_cut_corner(const PatchEdge& edge, const Vec3& position, c
 }
 
 // From the deepest point the crest follows one face in the given direction up to the next face that rises above it.
-void HullContacts::add_far_end(const CrestInBody& crest, double t, Eigen::Index face, double direction, double reach, const Mat3& rotation,
-                               std::vector<Contact<3>>& contacts) const {
+void HullContacts::add_far_end(const CrestInBody& crest, double t, Eigen::Index face, double direction, double reach,
+                               const Mat3& rotation, std::vector<Contact<3>>& contacts) const {
     const double rise = face_slope_[face];
     const double room = direction > 0.0 ? 1.0 - t : t;
-    if (face_value_[face] + t * rise + std::abs(rise) * std::min(room, 0.02) > reach) return;  // steep: the far end is out of reach
+    if (face_value_[face] + t * rise + std::abs(rise) * std::min(room, 0.02) > reach)
+        return;  // steep: the far end is out of reach
     Eigen::Index next = face;
     const double nearest = next_on_line(block_, face_value_.data(), face_slope_.data(), t, face, direction, room, next);
     if (next == face) return;  // the face reaches beyond the crest's end: the tip there touches
     const Vec3 unit = crest.d.normalized();
     const Vec3 normal = block_.normal(face);
-    add_crest_contact(crest, t + direction * nearest, normal - normal.dot(unit) * unit, face, next, reach, rotation, contacts);
+    add_crest_contact(crest, t + direction * nearest, normal - normal.dot(unit) * unit, face, next, reach, rotation,
+                      contacts);
 }
 
 }  // namespace scree

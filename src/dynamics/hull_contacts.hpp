@@ -42,12 +42,12 @@ public:
 private:
     /// Velocity of the body's points in flight and how much it can change.
     struct Flight {
-        Vec3 velocity;        ///< of the centre of mass [m/s]
-        Vec3 spin;            ///< local frame [rad/s]
-        double spin_bound;    ///< largest spin during the flight [rad/s]
-        double turning;       ///< largest acceleration of a point relative to the centre of mass [m/s^2]
-        double fastest;       ///< largest speed of a point now [m/s]
-        double gravity;       ///< [m/s^2]
+        Vec3 velocity;      ///< of the centre of mass [m/s]
+        Vec3 spin;          ///< local frame [rad/s]
+        double spin_bound;  ///< largest spin during the flight [rad/s]
+        double turning;     ///< largest acceleration of a point relative to the centre of mass [m/s^2]
+        double fastest;     ///< largest speed of a point now [m/s]
+        double gravity;     ///< [m/s^2]
         Vec3 velocity_at(const Vec3& arm) const { return velocity + spin.cross(arm); }
     };
     double time_over_plane(const Vec3& position, const Mat3& rotation, const Flight& flight);
@@ -56,21 +56,26 @@ private:
     void look_ahead(const Vec3& position, const Vec3& velocity);
 
     void cover(const Vec3& position, double reach);
-    void add_vertex_contacts(const Vec3& position, const Mat3& rotation, double reach, std::vector<Contact<3>>& contacts);
-    void add_other_facets(const Vec3& p, const PatchFacet& below, double reach, Contact<3> contact, std::vector<Contact<3>>& contacts) const;
+    void add_vertex_contacts(const Vec3& position, const Mat3& rotation, double reach,
+                             std::vector<Contact<3>>& contacts);
+    void add_other_facets(const Vec3& p, const PatchFacet& below, double reach, Contact<3> contact,
+                          std::vector<Contact<3>>& contacts) const;
     void add_tip_contacts(const Vec3& position, const Mat3& rotation, double reach, std::vector<Contact<3>>& contacts);
-    void add_crest_contacts(const Vec3& position, const Mat3& rotation, double reach, std::vector<Contact<3>>& contacts);
+    void add_crest_contacts(const Vec3& position, const Mat3& rotation, double reach,
+                            std::vector<Contact<3>>& contacts);
     /// A terrain crest in the body frame: the points a + t d, t in [0, 1].
     struct CrestInBody {
         const PatchEdge& edge;
         Vec3 a;  ///< [m]
         Vec3 d;  ///< [m]
     };
-    bool add_crest_contact(const CrestInBody& crest, double t, const Vec3& outward, Eigen::Index face, Eigen::Index other_face, double reach,
-                           const Mat3& rotation, std::vector<Contact<3>>& contacts) const;
-    void add_cut_corner(const PatchEdge& edge, const Vec3& position, const Mat3& rotation, std::vector<Contact<3>>& contacts);
-    void add_far_end(const CrestInBody& crest, double t, Eigen::Index face, double direction, double reach, const Mat3& rotation,
-                     std::vector<Contact<3>>& contacts) const;
+    bool add_crest_contact(const CrestInBody& crest, double t, const Vec3& outward, Eigen::Index face,
+                           Eigen::Index other_face, double reach, const Mat3& rotation,
+                           std::vector<Contact<3>>& contacts) const;
+    void add_cut_corner(const PatchEdge& edge, const Vec3& position, const Mat3& rotation,
+                        std::vector<Contact<3>>& contacts);
+    void add_far_end(const CrestInBody& crest, double t, Eigen::Index face, double direction, double reach,
+                     const Mat3& rotation, std::vector<Contact<3>>& contacts) const;
 
     void advance_odometer(const Vec3& position, const Mat3& rotation);
     void measure_heights(const Vec3& position, const Mat3& rotation, const SupportingPlane& plane);
@@ -83,19 +88,19 @@ private:
     bool beyond_rim_ = false;
     std::vector<double> node_height_;  ///< of each tip of the patch over its plane: zero or less [m]
     std::vector<double> edge_height_;  ///< of the higher end of each crest [m]
-    double odometer_ = 0.0;            ///< how far any point of the body can have moved since the start, from look to look [m]
-    Vec3 last_position_ = Vec3::Zero();     ///< at the last look [m]
+    double odometer_ = 0.0;  ///< how far any point of the body can have moved since the start, from look to look [m]
+    Vec3 last_position_ = Vec3::Zero();  ///< at the last look [m]
     Mat3 last_rotation_ = Mat3::Identity();
-    std::vector<double> node_free_until_;   ///< a tip is out of reach while odometer + reach is less [m]
-    std::vector<double> edge_free_until_;   ///< same for crests [m]
-    SupportingPlane ahead_;            ///< over the terrain that the flight crosses next
-    Box2 ahead_box_;                   ///< where it holds; empty: nowhere
-    double horizon_ = 0.1;             ///< how far ahead it is laid [s]
-    std::vector<Contact<3>> near_;     ///< room for free_time
-    Eigen::ArrayXd height_;            ///< of each vertex over the plane last measured from [m]
-    double lowest_ = 0.0;              ///< the least of them [m]
-    Eigen::ArrayXd face_value_;        ///< plane distance of each face along the crest at hand: value + t slope [m]
-    Eigen::ArrayXd face_slope_;        ///< [m]
+    std::vector<double> node_free_until_;  ///< a tip is out of reach while odometer + reach is less [m]
+    std::vector<double> edge_free_until_;  ///< same for crests [m]
+    SupportingPlane ahead_;                ///< over the terrain that the flight crosses next
+    Box2 ahead_box_;                       ///< where it holds; empty: nowhere
+    double horizon_ = 0.1;                 ///< how far ahead it is laid [s]
+    std::vector<Contact<3>> near_;         ///< room for free_time
+    Eigen::ArrayXd height_;                ///< of each vertex over the plane last measured from [m]
+    double lowest_ = 0.0;                  ///< the least of them [m]
+    Eigen::ArrayXd face_value_;            ///< plane distance of each face along the crest at hand: value + t slope [m]
+    Eigen::ArrayXd face_slope_;            ///< [m]
 };
 
 }  // namespace scree

@@ -11,11 +11,13 @@ namespace scree {
 /// Mass and principal moments of inertia.
 template <int Dim>
 struct BodyInertia {
-    double mass = 1.0;                                                 ///< [kg]
-    typename Space<Dim>::Spin moment = Space<Dim>::Spin::Ones();       ///< principal moments [kg m^2]
+    double mass = 1.0;                                            ///< [kg]
+    typename Space<Dim>::Spin moment = Space<Dim>::Spin::Ones();  ///< principal moments [kg m^2]
 };
 
-inline Mat3 rotation_matrix(const Quat& q) { return q.toRotationMatrix(); }
+inline Mat3 rotation_matrix(const Quat& q) {
+    return q.toRotationMatrix();
+}
 inline Mat2 rotation_matrix(double angle) {
     Mat2 r;
     r << std::cos(angle), -std::sin(angle), std::sin(angle), std::cos(angle);
@@ -30,10 +32,14 @@ inline Quat turned(const Quat& q, const Vec3& angle) {
     result.normalize();
     return result;
 }
-inline double turned(double angle, const Space<2>::Spin& by) { return angle + by[0]; }
+inline double turned(double angle, const Space<2>::Spin& by) {
+    return angle + by[0];
+}
 
 /// Gyroscopic torque I Omega x Omega, body frame [N m] (B&A eq. 5).
-inline Vec3 gyroscopic_torque(const Vec3& moment, const Vec3& spin) { return moment.cwiseProduct(spin).cross(spin); }
+inline Vec3 gyroscopic_torque(const Vec3& moment, const Vec3& spin) {
+    return moment.cwiseProduct(spin).cross(spin);
+}
 
 inline Mat3 cross_matrix(const Vec3& a) {
     Mat3 m;
@@ -48,12 +54,17 @@ inline Mat3 spin_response(const Vec3& moment, const Vec3& spin, double h) {
     const Mat3 derivative = cross_matrix(moment.cwiseProduct(spin)) - cross_matrix(spin) * inertia;
     return (inertia - 0.5 * h * derivative).inverse();
 }
-inline Eigen::Matrix<double, 1, 1> spin_response(const Space<2>::Spin& moment, const Space<2>::Spin&, double) { return moment.cwiseInverse(); }
+inline Eigen::Matrix<double, 1, 1> spin_response(const Space<2>::Spin& moment, const Space<2>::Spin&, double) {
+    return moment.cwiseInverse();
+}
 
 inline Vec3 free_spin(const Vec3& moment, const Vec3& spin, const Mat3& response, double h) {
     return spin + h * (response * gyroscopic_torque(moment, spin));
 }
-inline Space<2>::Spin free_spin(const Space<2>::Spin&, const Space<2>::Spin& spin, const Eigen::Matrix<double, 1, 1>&, double) { return spin; }
+inline Space<2>::Spin free_spin(const Space<2>::Spin&, const Space<2>::Spin& spin, const Eigen::Matrix<double, 1, 1>&,
+                                double) {
+    return spin;
+}
 
 /// Torque-free rotation over dt: Runge-Kutta 4 for Omega, fourth-order Magnus expansion for the orientation (Iserles & Norsett 1999), in
 /// equal steps of at most `longest` [s].
@@ -62,7 +73,8 @@ inline void rotate_freely(const Vec3& moment, double longest, double dt, Quat& o
     const double h = dt / steps;
     auto rate = [&](const Vec3& w) -> Vec3 { return gyroscopic_torque(moment, w).cwiseQuotient(moment); };
     for (int k = 0; k < steps; ++k) {
-        const Vec3 k1 = rate(spin), k2 = rate(spin + 0.5 * h * k1), k3 = rate(spin + 0.5 * h * k2), k4 = rate(spin + h * k3);
+        const Vec3 k1 = rate(spin), k2 = rate(spin + 0.5 * h * k1), k3 = rate(spin + 0.5 * h * k2),
+                   k4 = rate(spin + h * k3);
         const Vec3 next = spin + h / 6.0 * (k1 + 2.0 * k2 + 2.0 * k3 + k4);
         const Vec3 middle = 0.5 * (spin + next) + h / 8.0 * (k1 - rate(next));
         const Vec3 angle = h / 6.0 * (spin + 4.0 * middle + next) + h * h / 12.0 * middle.cross(next - spin);
@@ -70,7 +82,9 @@ inline void rotate_freely(const Vec3& moment, double longest, double dt, Quat& o
         spin = next;
     }
 }
-inline void rotate_freely(const Space<2>::Spin&, double, double dt, double& orientation, Space<2>::Spin& spin) { orientation += spin[0] * dt; }
+inline void rotate_freely(const Space<2>::Spin&, double, double dt, double& orientation, Space<2>::Spin& spin) {
+    orientation += spin[0] * dt;
+}
 
 template <int Dim>
 double rotation_energy(const BodyInertia<Dim>& body, const typename Space<Dim>::Spin& spin) {

@@ -37,13 +37,14 @@ double TrajectoryCounters::penetration_quantile(double share) const {
     std::int64_t sum = 0;
     for (std::size_t k = 0; k < penetration.size(); ++k) {
         sum += penetration[k];
-        if (static_cast<double>(sum) >= share * static_cast<double>(total)) return std::pow(10.0, (static_cast<double>(k) + 1.0) / 4.0 - 6.0);
+        if (static_cast<double>(sum) >= share * static_cast<double>(total))
+            return std::pow(10.0, (static_cast<double>(k) + 1.0) / 4.0 - 6.0);
     }
     return 0.0;
 }
 
-TrajectoryEnd<3> simulate_block(const ConvexBlock& block, const BlockState<3>& release, const Surface& surface, std::span<const Soil> soils,
-                                const DynamicsSettings& settings, MotionSink<3>* sink) {
+TrajectoryEnd<3> simulate_block(const ConvexBlock& block, const BlockState<3>& release, const Surface& surface,
+                                std::span<const Soil> soils, const DynamicsSettings& settings, MotionSink<3>* sink) {
     const BodyInertia<3> body{block.mass, block.inertia};
     HullContacts contacts(block, surface, settings.vertices_only);
     Engine<3, HullContacts> engine(body, contacts, soils, settings, sink);

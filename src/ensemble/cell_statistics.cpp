@@ -19,13 +19,16 @@ std::int32_t bin_of(double value) {
 }
 
 /// The value that is off by at most the stated error everywhere in (ratio^(bin-1), ratio^bin].
-double value_of(std::int32_t bin) { return bin == kZeroBin ? 0.0 : 2.0 * std::exp(bin * kLogRatio) / (kRatio + 1.0); }
+double value_of(std::int32_t bin) {
+    return bin == kZeroBin ? 0.0 : 2.0 * std::exp(bin * kLogRatio) / (kRatio + 1.0);
+}
 
 }  // namespace
 
 void LogHistogram::add(double value) {
     const std::int32_t bin = bin_of(value);
-    const auto place = std::lower_bound(bins_.begin(), bins_.end(), bin, [](const auto& b, std::int32_t key) { return b.first < key; });
+    const auto place = std::lower_bound(bins_.begin(), bins_.end(), bin,
+                                        [](const auto& b, std::int32_t key) { return b.first < key; });
     if (place != bins_.end() && place->first == bin)
         ++place->second;
     else
@@ -60,7 +63,8 @@ std::int64_t LogHistogram::count() const {
 double LogHistogram::quantile(double q) const {
     const std::int64_t n = count();
     if (n == 0) return kNaN;
-    const auto rank = std::clamp<std::int64_t>(static_cast<std::int64_t>(std::ceil(q * static_cast<double>(n) - 1e-9)), 1, n);
+    const auto rank =
+        std::clamp<std::int64_t>(static_cast<std::int64_t>(std::ceil(q * static_cast<double>(n) - 1e-9)), 1, n);
     std::int64_t below = 0;
     for (const auto& [bin, count] : bins_) {
         below += count;
@@ -102,7 +106,8 @@ std::pair<double, double> wilson_interval(std::int64_t k, std::int64_t n) {
     const double count = static_cast<double>(n), p = static_cast<double>(k) / count;
     const double centre = (p + z * z / (2.0 * count)) / (1.0 + z * z / count);
     const double half = z / (1.0 + z * z / count) * std::sqrt(p * (1.0 - p) / count + z * z / (4.0 * count * count));
-    return {k == 0 ? 0.0 : std::max(0.0, centre - half), k == n ? 1.0 : std::min(1.0, centre + half)};  // exact at both ends, not within rounding
+    return {k == 0 ? 0.0 : std::max(0.0, centre - half),
+            k == n ? 1.0 : std::min(1.0, centre + half)};  // exact at both ends, not within rounding
 }
 
 }  // namespace scree

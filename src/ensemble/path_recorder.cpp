@@ -18,7 +18,9 @@ Vec3 position_at(const MotionSegment<3>& m, double s) {
     const double t = s * m.duration;
     return m.position + t * (m.velocity_start + 0.5 * s * (m.velocity_end - m.velocity_start));
 }
-Vec3 velocity_at(const MotionSegment<3>& m, double s) { return m.velocity_start + s * (m.velocity_end - m.velocity_start); }
+Vec3 velocity_at(const MotionSegment<3>& m, double s) {
+    return m.velocity_start + s * (m.velocity_end - m.velocity_start);
+}
 
 double energy_at(const MotionSegment<3>& m, double mass, double s) {
     return 0.5 * mass * velocity_at(m, s).squaredNorm() + std::max(m.rotation_energy_start, m.rotation_energy_end);
@@ -27,7 +29,12 @@ double energy_at(const MotionSegment<3>& m, double mass, double s) {
 }  // namespace
 
 PathRecorder::PathRecorder(const CampaignInput& input, std::int64_t block, double mass, BlockResult& result)
-    : input_(input), block_(block), mass_(mass), result_(result), crossed_(input.screens.size(), false), keep_(block < input.kept_trajectories) {
+    : input_(input),
+      block_(block),
+      mass_(mass),
+      result_(result),
+      crossed_(input.screens.size(), false),
+      keep_(block < input.kept_trajectories) {
     for (const Screen& screen : input.screens) {
         Box2 box;
         for (const Vec2& p : screen.line) box.add(p);
@@ -137,7 +144,8 @@ void PathRecorder::cross_screens(const MotionSegment<3>& m) {
             const Vec2 e = line[i] - line[i - 1], d = end - start, w = line[i - 1] - start;
             const double determinant = d.x() * e.y() - d.y() * e.x();
             if (determinant == 0.0) continue;
-            const double s = (w.x() * e.y() - w.y() * e.x()) / determinant, r = (w.x() * d.y() - w.y() * d.x()) / determinant;
+            const double s = (w.x() * e.y() - w.y() * e.x()) / determinant,
+                         r = (w.x() * d.y() - w.y() * d.x()) / determinant;
             if (s >= 0.0 && s <= 1.0 && r >= 0.0 && r <= 1.0) first = std::min(first, s);
         }
         if (first > 1.0) continue;
@@ -149,7 +157,8 @@ void PathRecorder::cross_screens(const MotionSegment<3>& m) {
         c.position = position_at(m, first);
         c.velocity = velocity_at(m, first);
         c.spin = m.spin_start + first * (m.spin_end - m.spin_start);
-        c.energy = 0.5 * mass_ * c.velocity.squaredNorm() + m.rotation_energy_start + first * (m.rotation_energy_end - m.rotation_energy_start);
+        c.energy = 0.5 * mass_ * c.velocity.squaredNorm() + m.rotation_energy_start +
+                   first * (m.rotation_energy_end - m.rotation_energy_start);
         c.height = c.position.z() - input_.surface->height(c.position.head<2>());
         crossings_.push_back(c);
     }

@@ -11,9 +11,12 @@ namespace {
 
 double draw_volume(const BlockDistribution& d, RandomStream& random) {
     switch (d.law) {
-        case VolumeLaw::Constant: return d.volume;
-        case VolumeLaw::Uniform: return random.uniform(d.volume_min, d.volume_max);
-        case VolumeLaw::LogUniform: return std::exp(random.uniform(std::log(d.volume_min), std::log(d.volume_max)));
+        case VolumeLaw::Constant:
+            return d.volume;
+        case VolumeLaw::Uniform:
+            return random.uniform(d.volume_min, d.volume_max);
+        case VolumeLaw::LogUniform:
+            return std::exp(random.uniform(std::log(d.volume_min), std::log(d.volume_max)));
         case VolumeLaw::LogNormal:
             for (;;) {
                 const double v = d.volume * std::exp(d.sigma * random.normal());

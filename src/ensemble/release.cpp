@@ -21,20 +21,23 @@ constexpr double kReleaseGap = 1e-3;
 
 double plan_length(const Polyline& line) {
     double length = 0.0;
-    for (std::size_t i = 1; i < line.points.size(); ++i) length += (line.points[i] - line.points[i - 1]).head<2>().norm();
+    for (std::size_t i = 1; i < line.points.size(); ++i)
+        length += (line.points[i] - line.points[i - 1]).head<2>().norm();
     return length;
 }
 
 Quat uniform_orientation(RandomStream& random) {
     // Shoemake 1992, Graphics Gems III: uniform on the unit quaternions
-    const double u = random.uniform(), a = 2.0 * std::numbers::pi * random.uniform(), b = 2.0 * std::numbers::pi * random.uniform();
+    const double u = random.uniform(), a = 2.0 * std::numbers::pi * random.uniform(),
+                 b = 2.0 * std::numbers::pi * random.uniform();
     const double s = std::sqrt(1.0 - u), t = std::sqrt(u);
     return {t * std::cos(b), s * std::sin(a), s * std::cos(a), t * std::sin(b)};
 }
 
 }  // namespace
 
-ReleaseArea::ReleaseArea(const FeatureLayer& layer, const Surface& surface, ReleasePattern pattern, const GridShape& cells)
+ReleaseArea::ReleaseArea(const FeatureLayer& layer, const Surface& surface, ReleasePattern pattern,
+                         const GridShape& cells)
     : surface_(surface), pattern_(pattern) {
     for (const Feature& feature : layer.features) {
         if (const auto* polygons = std::get_if<MultiPolygon>(&feature.geometry)) {
@@ -47,7 +50,9 @@ ReleaseArea::ReleaseArea(const FeatureLayer& layer, const Surface& surface, Rele
             for (const Vec3& p : *points) sources_.push_back({feature.id, 1.0, Vec2(p.head<2>())});
         }
     }
-    if (sources_.empty()) throw InputError("release layer " + layer.name + " holds no polygon, line or point to release from: draw at least one");
+    if (sources_.empty())
+        throw InputError("release layer " + layer.name +
+                         " holds no polygon, line or point to release from: draw at least one");
 
     int inside = 0;
     RandomStream random(0, 0, RandomPurpose::ReleasePosition);
@@ -60,7 +65,9 @@ ReleaseArea::ReleaseArea(const FeatureLayer& layer, const Surface& surface, Rele
     }
     inside_share_ = static_cast<double>(inside) / (kTrials * static_cast<double>(sources_.size()));
     if (!(total_weight_ > 0.0))
-        throw InputError("release layer " + layer.name + " lies outside the terrain or over holes in it: no block could start; compare the extents with scree check");
+        throw InputError("release layer " + layer.name +
+                         " lies outside the terrain or over holes in it: no block could start; compare the extents "
+                         "with scree check");
     if (pattern == ReleasePattern::Cells) find_cells(cells);
 }
 
@@ -69,15 +76,20 @@ void ReleaseArea::find_cells(const GridShape& cells) {
         const auto* region = std::get_if<Region>(&source.place);
         if (!region) continue;
         const Box2 box = region->bounds();
-        for (int j = std::max(0, cells.row_of(box.min.y())); j <= std::min(cells.rows - 1, cells.row_of(box.max.y())); ++j) {
-            for (int i = std::max(0, cells.column_of(box.min.x())); i <= std::min(cells.columns - 1, cells.column_of(box.max.x())); ++i) {
+        for (int j = std::max(0, cells.row_of(box.min.y())); j <= std::min(cells.rows - 1, cells.row_of(box.max.y()));
+             ++j) {
+            for (int i = std::max(0, cells.column_of(box.min.x()));
+                 i <= std::min(cells.columns - 1, cells.column_of(box.max.x())); ++i) {
                 const Vec2 centre = cells.centre(i, j);
-                if (region->contains(centre) && surface_.facet_at(centre) >= 0) cells_.emplace_back(centre, source.feature);
+                if (region->contains(centre) && surface_.facet_at(centre) >= 0)
+                    cells_.emplace_back(centre, source.feature);
             }
         }
     }
     if (cells_.empty())
-        throw InputError("release.pattern is \"cells\", but no cell centre of the terrain lies in a release polygon: draw larger polygons or use \"random\"");
+        throw InputError(
+            "release.pattern is \"cells\", but no cell centre of the terrain lies in a release polygon: draw larger "
+            "polygons or use \"random\"");
 }
 
 Vec2 ReleaseArea::draw_from(const Source& source, RandomStream& random) const {
@@ -88,7 +100,8 @@ Vec2 ReleaseArea::draw_from(const Source& source, RandomStream& random) const {
     for (std::size_t i = 1; i < line.points.size(); ++i) {
         const Vec2 a = line.points[i - 1].head<2>(), b = line.points[i].head<2>();
         const double length = (b - a).norm();
-        if (left <= length || i + 1 == line.points.size()) return a + std::min(left / std::max(length, 1e-300), 1.0) * (b - a);
+        if (left <= length || i + 1 == line.points.size())
+            return a + std::min(left / std::max(length, 1e-300), 1.0) * (b - a);
         left -= length;
     }
     return line.points.front().head<2>();
@@ -114,17 +127,20 @@ Vec2 ReleaseArea::draw(std::uint64_t seed, std::uint64_t block, std::int64_t& fe
     throw InputError("hardly any of the release area lies over the terrain: move it or take a larger DTM");
 }
 
-BlockState<3> draw_release(const ReleaseSettings& settings, const ReleaseArea& area, const Surface& surface, const ConvexBlock& block,
-                           std::uint64_t seed, std::uint64_t number, std::int64_t& feature, double& raised) {
+BlockState<3> draw_release(const ReleaseSettings& settings, const ReleaseArea& area, const Surface& surface,
+                           const ConvexBlock& block, std::uint64_t seed, std::uint64_t number, std::int64_t& feature,
+                           double& raised) {
     const Vec2 plan = area.draw(seed, number, feature);
     RandomStream random(seed, number, RandomPurpose::Orientation);
     BlockState<3> state;
     state.orientation = uniform_orientation(random);
     const double height = settings.height + settings.height_spread * random.uniform(-1.0, 1.0);
     state.position = {plan.x(), plan.y(), surface.height(plan) + height};
-    state.velocity = settings.speed * Vec3(std::sin(settings.azimuth) * std::cos(settings.elevation),
-                                           std::cos(settings.azimuth) * std::cos(settings.elevation), std::sin(settings.elevation));
-    const double z = random.uniform(-1.0, 1.0), phi = random.uniform(0.0, 2.0 * std::numbers::pi), r = std::sqrt(1.0 - z * z);
+    state.velocity =
+        settings.speed * Vec3(std::sin(settings.azimuth) * std::cos(settings.elevation),
+                              std::cos(settings.azimuth) * std::cos(settings.elevation), std::sin(settings.elevation));
+    const double z = random.uniform(-1.0, 1.0), phi = random.uniform(0.0, 2.0 * std::numbers::pi),
+                 r = std::sqrt(1.0 - z * z);
     state.spin = settings.spin * Vec3(r * std::cos(phi), r * std::sin(phi), z);
     raised = clearing_lift(block, state, surface, kReleaseGap);
     state.position.z() += raised;

@@ -44,7 +44,9 @@ namespace {
 void resize_filled(Eigen::ArrayXd& array, Eigen::Index count) {
     array.resize((count + ConvexBlock::kLanes - 1) / ConvexBlock::kLanes * ConvexBlock::kLanes);
 }
-void fill(Eigen::ArrayXd& array, Eigen::Index count) { array.tail(array.size() - count).setConstant(array[count - 1]); }
+void fill(Eigen::ArrayXd& array, Eigen::Index count) {
+    array.tail(array.size() - count).setConstant(array[count - 1]);
+}
 
 ConvexBlock block_from_hull(const ConvexHull& hull, double mass) {
     const MassProperties properties = mass_properties(hull);
@@ -158,27 +160,38 @@ std::vector<Vec3> sphere_points(int count) {
 
 std::vector<Vec3> shape_points(const ShapeSettings& settings, RandomStream& random) {
     switch (settings.shape) {
-        case BlockShape::Hull: return random_cloud(settings.points, random);
-        case BlockShape::Sharp: return random_cloud(kSharpPoints, random);
-        case BlockShape::Round: return random_cloud(kRoundPoints, random);
-        case BlockShape::Box: return box_corners();
-        case BlockShape::Eota: return eota_points();
-        case BlockShape::Ellipsoid: return sphere_points(settings.points);
-        case BlockShape::File: return settings.file_points;
+        case BlockShape::Hull:
+            return random_cloud(settings.points, random);
+        case BlockShape::Sharp:
+            return random_cloud(kSharpPoints, random);
+        case BlockShape::Round:
+            return random_cloud(kRoundPoints, random);
+        case BlockShape::Box:
+            return box_corners();
+        case BlockShape::Eota:
+            return eota_points();
+        case BlockShape::Ellipsoid:
+            return sphere_points(settings.points);
+        case BlockShape::File:
+            return settings.file_points;
     }
     return {};
 }
 
 }  // namespace
 
-ConvexBlock make_block_from_points(const std::vector<Vec3>& points, double mass) { return block_from_hull(convex_hull(points), mass); }
+ConvexBlock make_block_from_points(const std::vector<Vec3>& points, double mass) {
+    return block_from_hull(convex_hull(points), mass);
+}
 
 ConvexBlock make_block(const ShapeSettings& settings, const Vec3& size, double mass, RandomStream& random) {
     if (!(size.minCoeff() > 0.0) || !size.allFinite() || !(mass > 0.0) || !std::isfinite(mass))
-        throw InputError("a block of " + std::to_string(mass) + " kg and " + std::to_string(size.x()) + " x " + std::to_string(size.y()) + " x " +
-                         std::to_string(size.z()) + " m is impossible: mass and all three lengths must be positive");
+        throw InputError("a block of " + std::to_string(mass) + " kg and " + std::to_string(size.x()) + " x " +
+                         std::to_string(size.y()) + " x " + std::to_string(size.z()) +
+                         " m is impossible: mass and all three lengths must be positive");
     std::vector<Vec3> points = shape_points(settings, random);
-    if (points.size() < 4) throw InputError("a block shape has " + std::to_string(points.size()) + " points: at least 4 are needed");
+    if (points.size() < 4)
+        throw InputError("a block shape has " + std::to_string(points.size()) + " points: at least 4 are needed");
     fill_box(points, size);
     ConvexBlock block = block_from_hull(convex_hull(points), mass);
     block.size = size;

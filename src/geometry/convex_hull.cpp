@@ -25,7 +25,8 @@ void put_in_order(ConvexHull& hull) {
         const Vec3& p = hull.vertices[static_cast<std::size_t>(v)];
         return std::tuple(p.x(), p.y(), p.z());
     };
-    std::sort(order.begin(), order.end(), [&](std::int32_t a, std::int32_t b) { return coordinates(a) < coordinates(b); });
+    std::sort(order.begin(), order.end(),
+              [&](std::int32_t a, std::int32_t b) { return coordinates(a) < coordinates(b); });
     std::vector<Vec3> vertices;
     std::vector<std::int32_t> place(order.size());
     for (const std::int32_t v : order) {
@@ -48,14 +49,17 @@ ConvexHull convex_hull(const std::vector<Vec3>& points) {
     std::vector<Kernel::Point_3> input;
     input.reserve(points.size());
     for (const Vec3& p : points) {
-        if (!p.allFinite()) throw InputError("a block shape has a point that is not finite: every coordinate must be a number");
+        if (!p.allFinite())
+            throw InputError("a block shape has a point that is not finite: every coordinate must be a number");
         input.emplace_back(p.x(), p.y(), p.z());
     }
     std::sort(input.begin(), input.end());  // how CGAL cuts a face of more than three corners depends on their order
     Mesh mesh;
     if (input.size() >= 4) CGAL::convex_hull_3(input.begin(), input.end(), mesh);
     if (mesh.number_of_faces() < 4 || mesh.number_of_vertices() < 4)
-        throw InputError("the " + std::to_string(points.size()) + " points of a block shape span no volume: at least 4 points that do not lie in one plane are needed");
+        throw InputError(
+            "the " + std::to_string(points.size()) +
+            " points of a block shape span no volume: at least 4 points that do not lie in one plane are needed");
 
     ConvexHull hull;
     std::vector<std::int32_t> number(mesh.number_of_vertices());
@@ -65,8 +69,10 @@ ConvexHull convex_hull(const std::vector<Vec3>& points) {
     }
     for (const auto f : mesh.faces()) {
         std::vector<std::int32_t> corners;
-        for (const auto v : CGAL::vertices_around_face(mesh.halfedge(f), mesh)) corners.push_back(number[static_cast<std::size_t>(v.idx())]);
-        for (std::size_t k = 2; k < corners.size(); ++k) hull.facets.push_back({corners[0], corners[k - 1], corners[k]});
+        for (const auto v : CGAL::vertices_around_face(mesh.halfedge(f), mesh))
+            corners.push_back(number[static_cast<std::size_t>(v.idx())]);
+        for (std::size_t k = 2; k < corners.size(); ++k)
+            hull.facets.push_back({corners[0], corners[k - 1], corners[k]});
     }
     put_in_order(hull);
     return hull;

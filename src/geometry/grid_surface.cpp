@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "geometry/patch_builder.hpp"
+
 #include "scree/base/error.hpp"
 #include "scree/geometry/surface.hpp"
 
@@ -15,7 +16,8 @@ class GridSurface final : public Surface {
 public:
     GridSurface(Grid<double> heights, std::vector<SoilId> soil) : heights_(std::move(heights)), soil_(std::move(soil)) {
         if (heights_.shape.columns < 2 || heights_.shape.rows < 2)
-            throw InputError("the terrain has " + std::to_string(heights_.shape.columns) + " x " + std::to_string(heights_.shape.rows) +
+            throw InputError("the terrain has " + std::to_string(heights_.shape.columns) + " x " +
+                             std::to_string(heights_.shape.rows) +
                              " cells; a surface needs at least 2 x 2: take a larger DTM or a finer resolution");
         SCREE_ASSERT(soil_.size() == grid_facet_count(heights_.shape));
     }
@@ -59,7 +61,9 @@ private:
         const Vec2 p = node2(i, j);
         return {p.x(), p.y(), heights_.at(i, j)};
     }
-    std::int64_t facet_number(int i, int j) const { return 2 * (static_cast<std::int64_t>(j) * (heights_.shape.columns - 1) + i); }
+    std::int64_t facet_number(int i, int j) const {
+        return 2 * (static_cast<std::int64_t>(j) * (heights_.shape.columns - 1) + i);
+    }
     bool valid(std::int64_t f) const {
         std::array<Vec3, 3> corners;
         SoilId soil = 0;
@@ -77,11 +81,14 @@ private:
 GridSurface::NodeRange GridSurface::nodes_around(const Box2& box) const {
     const GridShape& shape = heights_.shape;
     const Vec2 first = node2(0, 0);
-    const double i0 = std::floor((box.min.x() - first.x()) / shape.cell), i1 = std::ceil((box.max.x() - first.x()) / shape.cell);
-    const double j0 = std::floor((box.min.y() - first.y()) / shape.cell), j1 = std::ceil((box.max.y() - first.y()) / shape.cell);
+    const double i0 = std::floor((box.min.x() - first.x()) / shape.cell),
+                 i1 = std::ceil((box.max.x() - first.x()) / shape.cell);
+    const double j0 = std::floor((box.min.y() - first.y()) / shape.cell),
+                 j1 = std::ceil((box.max.y() - first.y()) / shape.cell);
     const double columns = shape.columns - 1, rows = shape.rows - 1;
-    return {static_cast<int>(std::clamp(i0, 0.0, columns)), static_cast<int>(std::clamp(j0, 0.0, rows)), static_cast<int>(std::clamp(i1, 0.0, columns)),
-            static_cast<int>(std::clamp(j1, 0.0, rows)), i0 >= 0.0 && j0 >= 0.0 && i1 <= columns && j1 <= rows};
+    return {static_cast<int>(std::clamp(i0, 0.0, columns)), static_cast<int>(std::clamp(j0, 0.0, rows)),
+            static_cast<int>(std::clamp(i1, 0.0, columns)), static_cast<int>(std::clamp(j1, 0.0, rows)),
+            i0 >= 0.0 && j0 >= 0.0 && i1 <= columns && j1 <= rows};
 }
 
 SupportingPlane GridSurface::plane_over(const NodeRange& nodes) const {
@@ -107,7 +114,9 @@ SupportingPlane GridSurface::plane_over(const NodeRange& nodes) const {
             }
         }
     }
-    plane.normal = Vec3(east_count > 0 ? -east / (east_count * cell) : 0.0, north_count > 0 ? -north / (north_count * cell) : 0.0, 1.0).normalized();
+    plane.normal = Vec3(east_count > 0 ? -east / (east_count * cell) : 0.0,
+                        north_count > 0 ? -north / (north_count * cell) : 0.0, 1.0)
+                       .normalized();
     for (int j = nodes.j0; j <= nodes.j1; ++j)
         for (int i = nodes.i0; i <= nodes.i1; ++i)
             if (!std::isnan(heights_.at(i, j))) plane.offset = std::max(plane.offset, plane.normal.dot(node(i, j)));
@@ -149,17 +158,23 @@ void GridSurface::gather_edges(int i, int j, TerrainPatch& patch) const {
     const GridShape& shape = heights_.shape;
     const std::int64_t id = 3 * static_cast<std::int64_t>(shape.index(i, j));
     if (i + 1 < shape.columns && j > 0 && j + 1 < shape.rows)
-        add_edge({i, j}, {i + 1, j}, {i, j + 1}, {i + 1, j - 1}, facet_number(i, j), facet_number(i, j - 1) + 1, id, patch);
+        add_edge({i, j}, {i + 1, j}, {i, j + 1}, {i + 1, j - 1}, facet_number(i, j), facet_number(i, j - 1) + 1, id,
+                 patch);
     if (j + 1 < shape.rows && i > 0 && i + 1 < shape.columns)
-        add_edge({i, j}, {i, j + 1}, {i - 1, j + 1}, {i + 1, j}, facet_number(i - 1, j) + 1, facet_number(i, j), id + 1, patch);
+        add_edge({i, j}, {i, j + 1}, {i - 1, j + 1}, {i + 1, j}, facet_number(i - 1, j) + 1, facet_number(i, j), id + 1,
+                 patch);
     if (i + 1 < shape.columns && j + 1 < shape.rows)
-        add_edge({i + 1, j}, {i, j + 1}, {i, j}, {i + 1, j + 1}, facet_number(i, j), facet_number(i, j) + 1, id + 2, patch);
+        add_edge({i + 1, j}, {i, j + 1}, {i, j}, {i + 1, j + 1}, facet_number(i, j), facet_number(i, j) + 1, id + 2,
+                 patch);
 }
 
-void GridSurface::add_edge(std::pair<int, int> a, std::pair<int, int> b, std::pair<int, int> left, std::pair<int, int> right,
-                           std::int64_t left_facet, std::int64_t right_facet, std::int64_t id, TerrainPatch& patch) const {
+void GridSurface::add_edge(std::pair<int, int> a, std::pair<int, int> b, std::pair<int, int> left,
+                           std::pair<int, int> right, std::int64_t left_facet, std::int64_t right_facet,
+                           std::int64_t id, TerrainPatch& patch) const {
     // The edge is a diagonal of a parallelogram of nodes: it is convex only if its ends lie above the other two. A rim has no facet to fall away to.
-    if (!(heights_.at(a.first, a.second) + heights_.at(b.first, b.second) > heights_.at(left.first, left.second) + heights_.at(right.first, right.second))) return;
+    if (!(heights_.at(a.first, a.second) + heights_.at(b.first, b.second) >
+          heights_.at(left.first, left.second) + heights_.at(right.first, right.second)))
+        return;
     PatchEdge e;
     e.a = node(a.first, a.second);
     e.b = node(b.first, b.second);
@@ -178,9 +193,11 @@ void GridSurface::gather_node(int i, int j, TerrainPatch& patch) const {
     const GridShape& shape = heights_.shape;
     if (i == 0 || j == 0 || i + 1 == shape.columns || j + 1 == shape.rows) return;
     // neighbours counter-clockwise, with the facet counter-clockwise of each spoke
-    const std::array<std::pair<int, int>, 6> ring{{{i + 1, j}, {i, j + 1}, {i - 1, j + 1}, {i - 1, j}, {i, j - 1}, {i + 1, j - 1}}};
-    const std::array<std::int64_t, 6> facets{facet_number(i, j),         facet_number(i - 1, j) + 1, facet_number(i - 1, j),
-                                             facet_number(i - 1, j - 1) + 1, facet_number(i, j - 1),     facet_number(i, j - 1) + 1};
+    const std::array<std::pair<int, int>, 6> ring{
+        {{i + 1, j}, {i, j + 1}, {i - 1, j + 1}, {i - 1, j}, {i, j - 1}, {i + 1, j - 1}}};
+    const std::array<std::int64_t, 6> facets{facet_number(i, j),     facet_number(i - 1, j) + 1,
+                                             facet_number(i - 1, j), facet_number(i - 1, j - 1) + 1,
+                                             facet_number(i, j - 1), facet_number(i, j - 1) + 1};
     std::array<double, 6> z{};
     for (std::size_t k = 0; k < 6; ++k) z[k] = heights_.at(ring[k].first, ring[k].second);
     const double top = heights_.at(i, j);
@@ -203,7 +220,8 @@ void GridSurface::gather_node(int i, int j, TerrainPatch& patch) const {
     n.count = 6;
     n.id = static_cast<std::int64_t>(shape.index(i, j));
     for (std::size_t k = 0; k < 6; ++k)
-        patch.spokes.push_back({spoke[k].normalized(), normal[k].normalized(), soil_[static_cast<std::size_t>(facets[k])]});
+        patch.spokes.push_back(
+            {spoke[k].normalized(), normal[k].normalized(), soil_[static_cast<std::size_t>(facets[k])]});
     patch.nodes.push_back(n);
 }
 

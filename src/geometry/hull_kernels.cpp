@@ -2,10 +2,9 @@
 // This file is compiled once per instruction set: Highway includes it again for each and picks one when the program runs.
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "geometry/hull_kernels.cpp"
-#include <hwy/foreach_target.h>  // before highway.h
-
 #include "geometry/hull_kernels.hpp"
 
+#include <hwy/foreach_target.h>  // before highway.h
 #include <hwy/highway.h>
 
 HWY_BEFORE_NAMESPACE();
@@ -16,9 +15,15 @@ namespace hn = hwy::HWY_NAMESPACE;
 using Tag = hn::CappedTag<double, ConvexBlock::kLanes>;  // at most the lanes that the arrays are filled up to
 using Lanes = hn::Vec<Tag>;
 
-Lanes load(const Eigen::ArrayXd& a, Eigen::Index i) { return hn::LoadU(Tag(), a.data() + i); }
-Lanes load(const double* a, Eigen::Index i) { return hn::LoadU(Tag(), a + i); }
-Eigen::Index step() { return static_cast<Eigen::Index>(hn::Lanes(Tag())); }
+Lanes load(const Eigen::ArrayXd& a, Eigen::Index i) {
+    return hn::LoadU(Tag(), a.data() + i);
+}
+Lanes load(const double* a, Eigen::Index i) {
+    return hn::LoadU(Tag(), a + i);
+}
+Eigen::Index step() {
+    return static_cast<Eigen::Index>(hn::Lanes(Tag()));
+}
 
 /// n.p for whole groups of points.
 struct Dot {
@@ -42,7 +47,8 @@ double PlaneHeights(const ConvexBlock& block, const Vec3& n, double offset, doub
 double Support(const ConvexBlock& block, const Vec3& n) {
     const Dot dot(n);
     Lanes most = hn::Set(Tag(), -kInfinity);
-    for (Eigen::Index i = 0; i < block.x.size(); i += step()) most = hn::Max(most, dot(load(block.x, i), load(block.y, i), load(block.z, i)));
+    for (Eigen::Index i = 0; i < block.x.size(); i += step())
+        most = hn::Max(most, dot(load(block.x, i), load(block.y, i), load(block.z, i)));
     return hn::GetLane(hn::MaxOfLanes(Tag(), most));
 }
 
@@ -83,7 +89,8 @@ private:
 double FarthestFace(const ConvexBlock& block, const Vec3& p, Eigen::Index& face) {
     const Dot dot(p);
     FirstLargest farthest;
-    for (Eigen::Index i = 0; i < block.nx.size(); i += step()) farthest.add(dot(load(block.nx, i), load(block.ny, i), load(block.nz, i)) - load(block.offset, i));
+    for (Eigen::Index i = 0; i < block.nx.size(); i += step())
+        farthest.add(dot(load(block.nx, i), load(block.ny, i), load(block.nz, i)) - load(block.offset, i));
     return farthest.result(face);
 }
 
@@ -96,17 +103,20 @@ void FaceLines(const ConvexBlock& block, const Vec3& a, const Vec3& d, double* v
     }
 }
 
-double FarthestOnLine(const ConvexBlock& block, const double* value, const double* slope, double t, Eigen::Index& face) {
+double FarthestOnLine(const ConvexBlock& block, const double* value, const double* slope, double t,
+                      Eigen::Index& face) {
     const Lanes place = hn::Set(Tag(), t);
     FirstLargest farthest;
     for (Eigen::Index i = 0; i < block.nx.size(); i += step()) farthest.add(load(value, i) + place * load(slope, i));
     return farthest.result(face);
 }
 
-double NextOnLine(const ConvexBlock& block, const double* value, const double* slope, double t, Eigen::Index face, double direction, double room,
-                  Eigen::Index& next) {
-    const Lanes place = hn::Set(Tag(), t), rise = hn::Set(Tag(), slope[face]), height = hn::Set(Tag(), value[face] + t * slope[face]);
-    const Lanes sign = hn::Set(Tag(), direction), parallel = hn::Set(Tag(), 1e-12), here = hn::Set(Tag(), 1e-9), never = hn::Set(Tag(), kInfinity);
+double NextOnLine(const ConvexBlock& block, const double* value, const double* slope, double t, Eigen::Index face,
+                  double direction, double room, Eigen::Index& next) {
+    const Lanes place = hn::Set(Tag(), t), rise = hn::Set(Tag(), slope[face]),
+                height = hn::Set(Tag(), value[face] + t * slope[face]);
+    const Lanes sign = hn::Set(Tag(), direction), parallel = hn::Set(Tag(), 1e-12), here = hn::Set(Tag(), 1e-9),
+                never = hn::Set(Tag(), kInfinity);
     FirstLargest nearest;
     for (Eigen::Index i = 0; i < block.nx.size(); i += step()) {
         const Lanes s = load(slope, i);
@@ -139,19 +149,25 @@ HWY_EXPORT(NextOnLine);
 double plane_heights(const ConvexBlock& block, const Vec3& n, double offset, double* height) {
     return HWY_DYNAMIC_DISPATCH(PlaneHeights)(block, n, offset, height);
 }
-double support(const ConvexBlock& block, const Vec3& n) { return HWY_DYNAMIC_DISPATCH(Support)(block, n); }
-double soonest_arrival(const ConvexBlock& block, const double* height, const Vec3& n, double rate, double acceleration) {
+double support(const ConvexBlock& block, const Vec3& n) {
+    return HWY_DYNAMIC_DISPATCH(Support)(block, n);
+}
+double soonest_arrival(const ConvexBlock& block, const double* height, const Vec3& n, double rate,
+                       double acceleration) {
     return HWY_DYNAMIC_DISPATCH(SoonestArrival)(block, height, n, rate, acceleration);
 }
-double farthest_face(const ConvexBlock& block, const Vec3& p, Eigen::Index& face) { return HWY_DYNAMIC_DISPATCH(FarthestFace)(block, p, face); }
+double farthest_face(const ConvexBlock& block, const Vec3& p, Eigen::Index& face) {
+    return HWY_DYNAMIC_DISPATCH(FarthestFace)(block, p, face);
+}
 void face_lines(const ConvexBlock& block, const Vec3& a, const Vec3& d, double* value, double* slope) {
     HWY_DYNAMIC_DISPATCH(FaceLines)(block, a, d, value, slope);
 }
-double farthest_on_line(const ConvexBlock& block, const double* value, const double* slope, double t, Eigen::Index& face) {
+double farthest_on_line(const ConvexBlock& block, const double* value, const double* slope, double t,
+                        Eigen::Index& face) {
     return HWY_DYNAMIC_DISPATCH(FarthestOnLine)(block, value, slope, t, face);
 }
-double next_on_line(const ConvexBlock& block, const double* value, const double* slope, double t, Eigen::Index face, double direction, double room,
-                    Eigen::Index& next) {
+double next_on_line(const ConvexBlock& block, const double* value, const double* slope, double t, Eigen::Index face,
+                    double direction, double room, Eigen::Index& next) {
     return HWY_DYNAMIC_DISPATCH(NextOnLine)(block, value, slope, t, face, direction, room, next);
 }
 

@@ -25,11 +25,12 @@ double farthest_face(const ConvexBlock& block, const Vec3& p, Eigen::Index& face
 void face_lines(const ConvexBlock& block, const Vec3& a, const Vec3& d, double* value, double* slope);
 
 /// Largest of value[f] + t slope[f] over the faces; `face` is the first where it is.
-double farthest_on_line(const ConvexBlock& block, const double* value, const double* slope, double t, Eigen::Index& face);
+double farthest_on_line(const ConvexBlock& block, const double* value, const double* slope, double t,
+                        Eigen::Index& face);
 
 /// From t on, in the direction +1 or -1, face `face` is the highest on the line: how far until another rises above it, which is `next`; at least
 /// 1e-9. Returns `room` and leaves `next` alone if none does before.
-double next_on_line(const ConvexBlock& block, const double* value, const double* slope, double t, Eigen::Index face, double direction, double room,
-                    Eigen::Index& next);
+double next_on_line(const ConvexBlock& block, const double* value, const double* slope, double t, Eigen::Index face,
+                    double direction, double room, Eigen::Index& next);
 
 }  // namespace scree

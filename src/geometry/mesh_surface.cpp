@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "geometry/patch_builder.hpp"
+
 #include "scree/base/error.hpp"
 #include "scree/geometry/surface.hpp"
 
@@ -13,8 +14,8 @@ namespace {
 
 /// An inner edge of the mesh that is a crest.
 struct Crest {
-    std::int32_t a, b;                       ///< vertices
-    std::array<std::int32_t, 2> beyond;      ///< third vertices of the two facets
+    std::int32_t a, b;                   ///< vertices
+    std::array<std::int32_t, 2> beyond;  ///< third vertices of the two facets
     std::array<std::int32_t, 2> facet;
 };
 
@@ -32,7 +33,8 @@ double area_in_box(const std::array<Vec3, 3>& corners, const Box2& box) {
             const Vec2 &a = shape[k], &b = shape[(k + 1) % count];
             const double inside_a = sign * (limit - a[axis]), inside_b = sign * (limit - b[axis]);
             if (inside_a >= 0.0) cut[kept++] = a;
-            if ((inside_a > 0.0 && inside_b < 0.0) || (inside_a < 0.0 && inside_b > 0.0)) cut[kept++] = a + inside_a / (inside_a - inside_b) * (b - a);
+            if ((inside_a > 0.0 && inside_b < 0.0) || (inside_a < 0.0 && inside_b > 0.0))
+                cut[kept++] = a + inside_a / (inside_a - inside_b) * (b - a);
         }
         shape = cut;
         count = kept;
@@ -78,15 +80,15 @@ private:
     void gather_tips(std::vector<std::int32_t>& vertices, TerrainPatch& patch) const;
 
     TriangleMesh mesh_;
-    Box2 bounds_;                          ///< [m]
-    double bin_ = 1.0;                     ///< edge of a bin, about that of a facet [m]
+    Box2 bounds_;       ///< [m]
+    double bin_ = 1.0;  ///< edge of a bin, about that of a facet [m]
     int bin_columns_ = 0;
     int bin_rows_ = 0;
     std::vector<std::int32_t> bin_start_;
     std::vector<std::int32_t> bin_facets_;
     std::vector<Crest> crests_;
     std::vector<std::array<std::int32_t, 3>> facet_crests_;  ///< crest number of each side, -1
-    std::vector<std::int32_t> ring_start_;                   ///< of each vertex that may be a tip: its neighbours in order
+    std::vector<std::int32_t> ring_start_;  ///< of each vertex that may be a tip: its neighbours in order
     std::vector<std::int32_t> ring_;
     std::vector<std::int32_t> ring_facet_;
 };
@@ -105,7 +107,8 @@ void MeshSurface::check_facets() {
         const auto c = corners(f);
         const double twice_area = (c[1] - c[0]).cross(c[2] - c[0]).z();
         if (!(twice_area > 0.0))
-            throw InputError("terrain facet " + std::to_string(f) + " near (" + std::to_string(c[0].x()) + ", " + std::to_string(c[0].y()) +
+            throw InputError("terrain facet " + std::to_string(f) + " near (" + std::to_string(c[0].x()) + ", " +
+                             std::to_string(c[0].y()) +
                              ") has no area seen from above: the terrain must be single-valued in height");
     }
 }
@@ -130,7 +133,9 @@ void MeshSurface::build_bins() {
         for (const Vec3& c : corners(f)) box.add(c.head<2>());
         const auto [i0, j0, i1, j1] = bin_range(box);
         for (int j = j0; j <= j1; ++j)
-            for (int i = i0; i <= i1; ++i) action(static_cast<std::size_t>(j) * static_cast<std::size_t>(bin_columns_) + static_cast<std::size_t>(i));
+            for (int i = i0; i <= i1; ++i)
+                action(static_cast<std::size_t>(j) * static_cast<std::size_t>(bin_columns_) +
+                       static_cast<std::size_t>(i));
     };
     bin_start_.assign(bins + 1, 0);
     for (std::int64_t f = 0; f < facet_count(); ++f) for_each_bin(f, [&](std::size_t bin) { ++bin_start_[bin + 1]; });
@@ -138,7 +143,9 @@ void MeshSurface::build_bins() {
     bin_facets_.resize(static_cast<std::size_t>(bin_start_.back()));
     std::vector<std::int32_t> next(bin_start_.begin(), bin_start_.end() - 1);
     for (std::int64_t f = 0; f < facet_count(); ++f)
-        for_each_bin(f, [&](std::size_t bin) { bin_facets_[static_cast<std::size_t>(next[bin]++)] = static_cast<std::int32_t>(f); });
+        for_each_bin(f, [&](std::size_t bin) {
+            bin_facets_[static_cast<std::size_t>(next[bin]++)] = static_cast<std::int32_t>(f);
+        });
 }
 
 void MeshSurface::build_topology() {
@@ -150,7 +157,8 @@ void MeshSurface::build_topology() {
     half.reserve(3 * mesh_.facets.size());
     for (std::size_t f = 0; f < mesh_.facets.size(); ++f) {
         for (std::int32_t k = 0; k < 3; ++k) {
-            const auto [low, high] = std::minmax(mesh_.facets[f][static_cast<std::size_t>(k)], mesh_.facets[f][static_cast<std::size_t>((k + 1) % 3)]);
+            const auto [low, high] = std::minmax(mesh_.facets[f][static_cast<std::size_t>(k)],
+                                                 mesh_.facets[f][static_cast<std::size_t>((k + 1) % 3)]);
             half.push_back({low, high, static_cast<std::int32_t>(f), k});
         }
     }
@@ -173,8 +181,10 @@ void MeshSurface::build_topology() {
         const std::int32_t beyond_y = ty[static_cast<std::size_t>((y.side + 2) % 3)];
         const Vec3 normal = (vertex(b) - vertex(a)).cross(vertex(beyond_x) - vertex(a)).normalized();
         if (!is_crest(normal, vertex(a), vertex(beyond_y))) continue;
-        facet_crests_[static_cast<std::size_t>(x.facet)][static_cast<std::size_t>(x.side)] = static_cast<std::int32_t>(crests_.size());
-        facet_crests_[static_cast<std::size_t>(y.facet)][static_cast<std::size_t>(y.side)] = static_cast<std::int32_t>(crests_.size());
+        facet_crests_[static_cast<std::size_t>(x.facet)][static_cast<std::size_t>(x.side)] =
+            static_cast<std::int32_t>(crests_.size());
+        facet_crests_[static_cast<std::size_t>(y.facet)][static_cast<std::size_t>(y.side)] =
+            static_cast<std::int32_t>(crests_.size());
         crests_.push_back({a, b, {beyond_x, beyond_y}, {x.facet, y.facet}});
         ++crest_count[static_cast<std::size_t>(a)];
         ++crest_count[static_cast<std::size_t>(b)];
@@ -183,7 +193,8 @@ void MeshSurface::build_topology() {
     // ordered rings around vertices that at least three crests meet in and that are not on the rim
     std::vector<std::int32_t> some_facet(mesh_.vertices.size(), -1);
     for (std::size_t f = 0; f < mesh_.facets.size(); ++f)
-        for (const std::int32_t v : mesh_.facets[f]) some_facet[static_cast<std::size_t>(v)] = static_cast<std::int32_t>(f);
+        for (const std::int32_t v : mesh_.facets[f])
+            some_facet[static_cast<std::size_t>(v)] = static_cast<std::int32_t>(f);
     ring_start_.assign(mesh_.vertices.size() + 1, 0);
     for (std::size_t v = 0; v < mesh_.vertices.size(); ++v) {
         ring_start_[v] = static_cast<std::int32_t>(ring_.size());
@@ -192,7 +203,8 @@ void MeshSurface::build_topology() {
         std::int32_t f = some_facet[v];
         do {
             const auto& t = mesh_.facets[static_cast<std::size_t>(f)];
-            const auto k = static_cast<std::size_t>(std::find(t.begin(), t.end(), static_cast<std::int32_t>(v)) - t.begin());
+            const auto k =
+                static_cast<std::size_t>(std::find(t.begin(), t.end(), static_cast<std::int32_t>(v)) - t.begin());
             ring_.push_back(t[(k + 1) % 3]);
             ring_facet_.push_back(f);
             f = across[static_cast<std::size_t>(f)][(k + 2) % 3];  // over the side that ends in v: counter-clockwise
@@ -249,7 +261,8 @@ SupportingPlane MeshSurface::plane_over(const std::vector<std::int32_t>& facets,
     plane.whole = covered >= area * (1.0 - 1e-9);
     if (sum.z() > 0.0) plane.normal = sum.normalized();
     for (const std::int32_t f : facets)
-        for (const std::int32_t v : mesh_.facets[static_cast<std::size_t>(f)]) plane.offset = std::max(plane.offset, plane.normal.dot(vertex(v)));
+        for (const std::int32_t v : mesh_.facets[static_cast<std::size_t>(f)])
+            plane.offset = std::max(plane.offset, plane.normal.dot(vertex(v)));
     return plane;
 }
 
@@ -265,7 +278,8 @@ void MeshSurface::gather(const Box2& box, TerrainPatch& patch) const {
         for (const std::int32_t crest : facet_crests_[static_cast<std::size_t>(f)])
             if (crest >= 0) crests.push_back(crest);
         for (const std::int32_t v : mesh_.facets[static_cast<std::size_t>(f)])
-            if (ring_start_[static_cast<std::size_t>(v) + 1] > ring_start_[static_cast<std::size_t>(v)]) vertices.push_back(v);
+            if (ring_start_[static_cast<std::size_t>(v) + 1] > ring_start_[static_cast<std::size_t>(v)])
+                vertices.push_back(v);
     }
     gather_crests(crests, patch);
     gather_tips(vertices, patch);
@@ -278,9 +292,11 @@ void MeshSurface::gather(const Box2& box, TerrainPatch& patch) const {
     patch.bin_start.push_back(0);
     for (int j = j0; j <= j1; ++j) {
         for (int i = i0; i <= i1; ++i) {
-            const auto bin = static_cast<std::size_t>(j) * static_cast<std::size_t>(bin_columns_) + static_cast<std::size_t>(i);
+            const auto bin =
+                static_cast<std::size_t>(j) * static_cast<std::size_t>(bin_columns_) + static_cast<std::size_t>(i);
             for (std::int32_t k = bin_start_[bin]; k < bin_start_[bin + 1]; ++k) {
-                const auto place = std::lower_bound(found.begin(), found.end(), bin_facets_[static_cast<std::size_t>(k)]);
+                const auto place =
+                    std::lower_bound(found.begin(), found.end(), bin_facets_[static_cast<std::size_t>(k)]);
                 patch.bin_facets.push_back(static_cast<std::int32_t>(place - found.begin()));
             }
             patch.bin_start.push_back(static_cast<std::int32_t>(patch.bin_facets.size()));
@@ -297,8 +313,10 @@ void MeshSurface::gather_crests(std::vector<std::int32_t>& crests, TerrainPatch&
         e.a = vertex(crest.a);
         e.b = vertex(crest.b);
         e.beyond = {vertex(crest.beyond[0]), vertex(crest.beyond[1])};
-        e.normal = {Vec3((e.b - e.a).cross(e.beyond[0] - e.a).normalized()), Vec3((e.a - e.b).cross(e.beyond[1] - e.b).normalized())};
-        e.soil = {mesh_.soil[static_cast<std::size_t>(crest.facet[0])], mesh_.soil[static_cast<std::size_t>(crest.facet[1])]};
+        e.normal = {Vec3((e.b - e.a).cross(e.beyond[0] - e.a).normalized()),
+                    Vec3((e.a - e.b).cross(e.beyond[1] - e.b).normalized())};
+        e.soil = {mesh_.soil[static_cast<std::size_t>(crest.facet[0])],
+                  mesh_.soil[static_cast<std::size_t>(crest.facet[1])]};
         e.id = number;
         patch.edges.push_back(e);
     }
@@ -312,11 +330,13 @@ void MeshSurface::gather_tips(std::vector<std::int32_t>& vertices, TerrainPatch&
         n.position = vertex(v);
         n.first = static_cast<std::int32_t>(patch.spokes.size());
         n.id = v;
-        for (std::int32_t k = ring_start_[static_cast<std::size_t>(v)]; k < ring_start_[static_cast<std::size_t>(v) + 1]; ++k) {
+        for (std::int32_t k = ring_start_[static_cast<std::size_t>(v)];
+             k < ring_start_[static_cast<std::size_t>(v) + 1]; ++k) {
             const std::int32_t f = ring_facet_[static_cast<std::size_t>(k)];
             const auto c = corners(f);
             patch.spokes.push_back({(vertex(ring_[static_cast<std::size_t>(k)]) - n.position).normalized(),
-                                    (c[1] - c[0]).cross(c[2] - c[0]).normalized(), mesh_.soil[static_cast<std::size_t>(f)]});
+                                    (c[1] - c[0]).cross(c[2] - c[0]).normalized(),
+                                    mesh_.soil[static_cast<std::size_t>(f)]});
             ++n.count;
         }
         patch.nodes.push_back(n);
@@ -325,6 +345,8 @@ void MeshSurface::gather_tips(std::vector<std::int32_t>& vertices, TerrainPatch&
 
 }  // namespace
 
-std::unique_ptr<Surface> make_mesh_surface(TriangleMesh mesh) { return std::make_unique<MeshSurface>(std::move(mesh)); }
+std::unique_ptr<Surface> make_mesh_surface(TriangleMesh mesh) {
+    return std::make_unique<MeshSurface>(std::move(mesh));
+}
 
 }  // namespace scree

@@ -51,7 +51,8 @@ Region::Region(const MultiPolygon& polygons) {
     bands_.resize(bands);
     for (std::size_t e = 0; e < edges_.size(); ++e) {
         const auto [low, high] = std::minmax(edges_[e].a.y(), edges_[e].b.y());
-        for (int band = band_of(low); band <= band_of(high); ++band) bands_[static_cast<std::size_t>(band)].push_back(static_cast<int>(e));
+        for (int band = band_of(low); band <= band_of(high); ++band)
+            bands_[static_cast<std::size_t>(band)].push_back(static_cast<int>(e));
     }
 }
 

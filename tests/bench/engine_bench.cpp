@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // How fast the engine is, on one core, on the sample site quarry_a: smooth as it is, and rough with independent noise on every node of the terrain.
 // Times of different runs do not compare, processors are shared and change their clock: compare rows of one run.
-#include "cli/site_model.hpp"
 #include "dynamics/contact_step.hpp"
 #include "dynamics/hull_contacts.hpp"
+
+#include "cli/site_model.hpp"
 #include "scree/base/random.hpp"
 #include "scree/ensemble/campaign.hpp"
 
@@ -15,15 +16,16 @@ namespace scree::bench {
 
 namespace {
 
-constexpr double kRoughness = 0.05;      ///< half width of the noise [m]
-constexpr std::int64_t kBlocks = 200;    ///< of a campaign [-]
+constexpr double kRoughness = 0.05;    ///< half width of the noise [m]
+constexpr std::int64_t kBlocks = 200;  ///< of a campaign [-]
 
 /// The sample site, with the surface that the benchmarks use.
 struct Scene {
     cli::SiteModel site;
     std::unique_ptr<Surface> surface;
 
-    explicit Scene(bool rough) : site(cli::load_site(cli::read_site_file(SCREE_SOURCE_DIR "/sample_sites/quarry_a/site.toml", {}))) {
+    explicit Scene(bool rough)
+        : site(cli::load_site(cli::read_site_file(SCREE_SOURCE_DIR "/sample_sites/quarry_a/site.toml", {}))) {
         Grid<double> heights = site.terrain.data.grid;
         std::vector<SoilId> soils(grid_facet_count(heights.shape), 0);
         for (std::size_t f = 0; f < soils.size(); ++f) {
@@ -43,11 +45,14 @@ struct Scene {
         static const Scene smooth_scene(false), rough_scene(true);
         return rough ? rough_scene : smooth_scene;
     }
-    ConvexBlock block(std::uint64_t number) const { return draw_block(site.campaign.population, site.campaign.seed, number).body; }
+    ConvexBlock block(std::uint64_t number) const {
+        return draw_block(site.campaign.population, site.campaign.seed, number).body;
+    }
     BlockState<3> release(const ConvexBlock& block, std::uint64_t number) const {
         std::int64_t feature = 0;
         double raised = 0.0;
-        return draw_release(site.campaign.release, *site.area, *surface, block, site.campaign.seed, number, feature, raised);
+        return draw_release(site.campaign.release, *site.area, *surface, block, site.campaign.seed, number, feature,
+                            raised);
     }
 };
 
@@ -71,8 +76,15 @@ void campaign(benchmark::State& state) {
     state.counters["impacts"] = per_block(counters.impacts);
     state.counters["flight_looks"] = per_block(counters.flight_evaluations);
 }
-BENCHMARK(campaign)->ArgNames({"rough", "moreau_jean", "threads"})->Args({0, 0, 1})->Args({1, 0, 1})->Args({0, 0, 2})->Args({1, 0, 2})->Args({1, 1, 1})
-    ->Unit(benchmark::kMillisecond)->UseRealTime();
+BENCHMARK(campaign)
+    ->ArgNames({"rough", "moreau_jean", "threads"})
+    ->Args({0, 0, 1})
+    ->Args({1, 0, 1})
+    ->Args({0, 0, 2})
+    ->Args({1, 0, 2})
+    ->Args({1, 1, 1})
+    ->Unit(benchmark::kMillisecond)
+    ->UseRealTime();
 
 /// Drawing a block from the list and building its hull.
 void hull(benchmark::State& state) {

@@ -29,20 +29,24 @@ struct AwkwardSite {
     std::string release = kControlRelease;
     std::string blocks = kControlBlocks;
     std::string more = {};  ///< further lines of [release]
-    int count = 5;     ///< blocks [-]
+    int count = 5;          ///< blocks [-]
 };
 
 /// Absolute paths stay as they are.
 fs::path write_site(const TempDir& folder, const fs::path& inputs, const AwkwardSite& site) {
     std::ostringstream text;
-    text << "[terrain]\ndtm = '" << (inputs / site.dtm).string() << "'\n[[soil]]\nname = 'ground'\nrestitution = 0.3\nfriction = 0.6\nrolling = 0.1\n"
-         << "[blocks]\nlist = '" << (inputs / site.blocks).string() << "'\n[release]\nfile = '" << (inputs / site.release).string() << "'\ncount = " << site.count
-         << "\nheight = 2.0\n" << site.more;
+    text << "[terrain]\ndtm = '" << (inputs / site.dtm).string()
+         << "'\n[[soil]]\nname = 'ground'\nrestitution = 0.3\nfriction = 0.6\nrolling = 0.1\n"
+         << "[blocks]\nlist = '" << (inputs / site.blocks).string() << "'\n[release]\nfile = '"
+         << (inputs / site.release).string() << "'\ncount = " << site.count << "\nheight = 2.0\n"
+         << site.more;
     put(folder / "site.toml", text.str());
     return folder / "site.toml";
 }
 
-Outcome run_site(const fs::path& site, const fs::path& out) { return scree_program({"run", site.string(), "--output", out.string(), "--quiet"}); }
+Outcome run_site(const fs::path& site, const fs::path& out) {
+    return scree_program({"run", site.string(), "--output", out.string(), "--quiet"});
+}
 
 enum class Judgement { Refuse, Warn, Accept };
 
@@ -53,7 +57,9 @@ struct AwkwardInput {
     std::vector<std::string> fragments;  ///< of the error or warning; the name of the file is asked for in any case
 };
 
-void PrintTo(const AwkwardInput& input, std::ostream* out) { *out << input.name; }
+void PrintTo(const AwkwardInput& input, std::ostream* out) {
+    *out << input.name;
+}
 
 constexpr auto kRefuse = Judgement::Refuse;
 constexpr auto kWarn = Judgement::Warn;
@@ -79,7 +85,10 @@ const AwkwardInput kInputs[] = {
     {"r31_asc_rows_missing", kRefuse, "raster/r31_asc_rows_missing.asc", {"180"}},
     {"r33_asc_no_header", kRefuse, "raster/r33_asc_no_header.asc", {"not a raster"}},
     {"r35_starting_with_nan", kRefuse, "raster/r35_gdal_starting_with_nan.asc", {}},
-    {"r37_mask_band", kRefuse, "raster/r37_mask_band.tif", {"good_release.gpkg", "holes"}},  // the control's release lies in the masked part; see below
+    {"r37_mask_band",
+     kRefuse,
+     "raster/r37_mask_band.tif",
+     {"good_release.gpkg", "holes"}},  // the control's release lies in the masked part; see below
     {"r39_claims_1e14_cells", kRefuse, "raster/r39_gdal_claims_100000x1632895392.tif", {"100000 x 1632895392 cells"}},
     {"r41_unknown_codec", kRefuse, "raster/r41_gdal_unknown_codec.tif", {"codec"}},
     {"r43_moon_crs_1x1", kRefuse, "raster/r43_gdal_moon_crs_1x1.tif", {"1 x 1 cells"}},
@@ -96,7 +105,10 @@ const AwkwardInput kInputs[] = {
     {"v15_lines", kAccept, "vector/v15_lines.gpkg", {}},  // lines release along their length
     {"v17_overlapping", kAccept, "vector/v17_overlapping.gpkg", {}},
     {"v19_mixed_types", kRefuse, "vector/v19_mixed_types.gpkg", {"feature 2"}},
-    {"v23_latlon_swapped", kRefuse, "vector/v23_geojson_latlon_swapped.geojson", {"outside of the terrain", "easting 4718534.2"}},
+    {"v23_latlon_swapped",
+     kRefuse,
+     "vector/v23_geojson_latlon_swapped.geojson",
+     {"outside of the terrain", "easting 4718534.2"}},
     {"v25_huge_feature_count", kRefuse, "vector/v25_gdal_huge_feature_count.gpkg", {"'test', 'test2'"}},
     {"v27_20000_vertices", kAccept, "vector/v27_20000_vertices.gpkg", {}},
 
@@ -160,7 +172,8 @@ TEST_P(BadInputs, IsJudged) {
     }
     EXPECT_TRUE(raster_facts(out / "rasters" / "energy_kj_max.tif").finite);
 }
-INSTANTIATE_TEST_SUITE_P(Shared, BadInputs, testing::ValuesIn(kInputs), [](const auto& row) { return std::string(row.param.name); });
+INSTANTIATE_TEST_SUITE_P(Shared, BadInputs, testing::ValuesIn(kInputs),
+                         [](const auto& row) { return std::string(row.param.name); });
 
 /// Stopping points or release points of a run of the site.
 std::vector<PointRow> points_of(const fs::path& inputs, const AwkwardSite& site, const std::string& layer) {
@@ -179,7 +192,8 @@ double largest_distance(const std::vector<PointRow>& a, const std::vector<PointR
 
 TEST(BadInputsResult, SouthUpRasterGivesTheControlsStops) {
     SCREE_SHARED_OR_SKIP(inputs, "badinputs");
-    const auto control = points_of(inputs, {}, "stopping_points"), south_up = points_of(inputs, {.dtm = "raster/r11_south_up.tif"}, "stopping_points");
+    const auto control = points_of(inputs, {}, "stopping_points"),
+               south_up = points_of(inputs, {.dtm = "raster/r11_south_up.tif"}, "stopping_points");
     EXPECT_LT(largest_distance(control, south_up), 1e-6);
 }
 
@@ -189,11 +203,14 @@ TEST(BadInputsResult, MaskedColumnsAreOutside) {
     const TempDir folder;
     VectorSpec straddling;
     straddling.crs = "EPSG:31287";
-    straddling.rows = {{"POLYGON ((169057 362610, 169117 362610, 169117 362650, 169057 362650, 169057 362610))", "box", 1.0}};
+    straddling.rows = {
+        {"POLYGON ((169057 362610, 169117 362610, 169117 362650, 169057 362650, 169057 362610))", "box", 1.0}};
     write_vector((folder / "release.gpkg").string(), straddling);
-    const AwkwardSite site{.dtm = "raster/r37_mask_band.tif", .release = (folder / "release.gpkg").string(), .count = 20};
+    const AwkwardSite site{
+        .dtm = "raster/r37_mask_band.tif", .release = (folder / "release.gpkg").string(), .count = 20};
     ASSERT_EQ(run_site(write_site(folder, inputs, site), folder / "out").code, 0);
-    const auto releases = read_points(folder / "out" / "results.gpkg", "release_points"), stops = read_points(folder / "out" / "results.gpkg", "stopping_points");
+    const auto releases = read_points(folder / "out" / "results.gpkg", "release_points"),
+               stops = read_points(folder / "out" / "results.gpkg", "stopping_points");
     ASSERT_EQ(releases.size(), 20U);
     for (const PointRow& release : releases) EXPECT_LT(release.at.x(), kFirstMasked);
     for (const PointRow& stop : stops) EXPECT_LT(stop.at.x(), kFirstMasked + 0.5);
@@ -201,7 +218,8 @@ TEST(BadInputsResult, MaskedColumnsAreOutside) {
 
 TEST(BadInputsResult, DegreesAreTransformed) {
     SCREE_SHARED_OR_SKIP(inputs, "badinputs");
-    for (const PointRow& release : points_of(inputs, {.release = "vector/v01_release_epsg4326.gpkg", .count = 20}, "release_points")) {
+    for (const PointRow& release :
+         points_of(inputs, {.release = "vector/v01_release_epsg4326.gpkg", .count = 20}, "release_points")) {
         EXPECT_GT(release.at.x(), 169119.566 - 1.0);
         EXPECT_LT(release.at.x(), 169159.566 + 1.0);
         EXPECT_GT(release.at.y(), 362610.313 - 1.0);
@@ -211,13 +229,16 @@ TEST(BadInputsResult, DegreesAreTransformed) {
 
 TEST(BadInputsResult, HeightsOfPolygonsAreIgnored) {
     SCREE_SHARED_OR_SKIP(inputs, "badinputs");
-    const auto control = points_of(inputs, {}, "release_points"), with_heights = points_of(inputs, {.release = "vector/v07_polygon_zm.gpkg"}, "release_points");
+    const auto control = points_of(inputs, {}, "release_points"),
+               with_heights = points_of(inputs, {.release = "vector/v07_polygon_zm.gpkg"}, "release_points");
     EXPECT_LT(largest_distance(control, with_heights), 0.01) << "of 9999 m";
 }
 
 TEST(BadInputsResult, PartsOffTheTerrainReleaseNothing) {
     SCREE_SHARED_OR_SKIP(inputs, "badinputs");
-    for (const PointRow& release : points_of(inputs, {.release = "vector/v09_partly_outside.gpkg", .count = 20}, "release_points")) EXPECT_GT(release.at.x(), 168637.299);
+    for (const PointRow& release :
+         points_of(inputs, {.release = "vector/v09_partly_outside.gpkg", .count = 20}, "release_points"))
+        EXPECT_GT(release.at.x(), 168637.299);
 }
 
 TEST(BadInputsResult, UnicodeNamesSurvive) {
@@ -228,7 +249,9 @@ TEST(BadInputsResult, UnicodeNamesSurvive) {
     ASSERT_EQ(run_site(site, folder / "out").code, 0);
     EXPECT_THAT(fields_of(folder / "out" / "results.gpkg", "release_zones"), testing::Contains("gr_e_m"));
     EXPECT_THAT(text_of(folder / "out" / "results.gpkg"), HasSubstr("Größe m³"));
-    EXPECT_LT(largest_distance(points_of(inputs, {}, "stopping_points"), read_points(folder / "out" / "results.gpkg", "stopping_points")), 1e-6);
+    EXPECT_LT(largest_distance(points_of(inputs, {}, "stopping_points"),
+                               read_points(folder / "out" / "results.gpkg", "stopping_points")),
+              1e-6);
     const Outcome wrong = scree_program({"check", site.string(), "--set", "release.layer=Süd"});
     EXPECT_EQ(wrong.code, 3);
     EXPECT_THAT(wrong.err, HasSubstr("Ablösefläche Süd (岩)"));
@@ -237,7 +260,9 @@ TEST(BadInputsResult, UnicodeNamesSurvive) {
 TEST(BadInputsResult, OverlappingFeaturesEachSendTheirShare) {
     SCREE_SHARED_OR_SKIP(inputs, "badinputs");
     std::map<std::string, int> count;
-    for (const PointRow& release : points_of(inputs, {.release = "vector/v17_overlapping.gpkg", .count = 60}, "release_points")) ++count[release.values.at("release_feature")];
+    for (const PointRow& release :
+         points_of(inputs, {.release = "vector/v17_overlapping.gpkg", .count = 60}, "release_points"))
+        ++count[release.values.at("release_feature")];
     EXPECT_EQ(count.size(), 3U);
     for (const auto& [feature, blocks] : count) EXPECT_GT(blocks, 5) << feature;
 }
@@ -267,7 +292,8 @@ TEST(BadInputsResult, ManyVerticesReleaseManyBlocks) {
 
 TEST(BadInputsResult, DecimalCommasAreRead) {
     SCREE_SHARED_OR_SKIP(inputs, "badinputs");
-    for (const PointRow& stop : points_of(inputs, {.blocks = "blocks/b01_semicolon_decimal_comma_bom.csv"}, "stopping_points")) {
+    for (const PointRow& stop :
+         points_of(inputs, {.blocks = "blocks/b01_semicolon_decimal_comma_bom.csv"}, "stopping_points")) {
         EXPECT_GT(stop.number("mass_kg"), 100.0);
         EXPECT_LT(stop.number("mass_kg"), 4000.0);
     }
@@ -279,21 +305,27 @@ TEST(BadInputsResult, WrongTypesNameKeyValueAndRange) {
         const char* line;
         const char* said;
     };
-    for (const Case& c : {Case{"[model]\nseed = \"abc\"\n", "site.toml:2: model.seed = 'abc' is not allowed: give a whole number from 0"},
-                          Case{"[release]\ncount = -5\n", "site.toml:2: release.count = -5 is not allowed: give a whole number from 1"},
-                          Case{"[model]\ntime_step = nan\n", "site.toml:2: model.time_step = nan is not allowed: give a number from 1e-06 to 0.02"},
-                          Case{"[model]\ntime_limit = inf\n", "site.toml:2: model.time_limit = inf is not allowed: give a number from 0.1"},
-                          Case{"[model]\ngravity = 0.0\n", "site.toml:2: model.gravity = 0.0 is not allowed: give a number from 0.1 to 30"},
-                          Case{"[terrain]\nresolution = \"fine\"\n", "site.toml:2: terrain.resolution = 'fine' is not allowed: give a number of at least 0"},
-                          Case{"[model]\ngravity = [9.81]\n", "model.gravity = a table or list is not allowed"},
-                          Case{"model = 3\n", "site.toml:1: model must be a table: begin it with [model]"},
-                          Case{"soil = 3\n", "begin each soil with [[soil]]"},
-                          Case{"[[soil]]\nfriction = 1\n", "has no name"},
-                          Case{"[[soil]]\nname = 'a'\n[[soil]]\nname = 'a'\n", "two soils are called \"a\""},
-                          Case{"[[soil]]\nname = 'a'\nrestitution = 2\n", "site.toml:3: soil.restitution = 2 is not allowed: give a number from 0 to 1"},
-                          Case{"[[soil]]\nname = 'a'\nmu = 2\n", "site.toml:3: [[soil]] has no key mu"},
-                          Case{"[terain]\ndtm = 'a'\n", "site.toml:1: the section [terain] is unknown; did you mean [terrain]?"},
-                          Case{"[[effect]]\nkind = 'forest'\n", "knows no effects"}}) {
+    for (const Case& c :
+         {Case{"[model]\nseed = \"abc\"\n",
+               "site.toml:2: model.seed = 'abc' is not allowed: give a whole number from 0"},
+          Case{"[release]\ncount = -5\n", "site.toml:2: release.count = -5 is not allowed: give a whole number from 1"},
+          Case{"[model]\ntime_step = nan\n",
+               "site.toml:2: model.time_step = nan is not allowed: give a number from 1e-06 to 0.02"},
+          Case{"[model]\ntime_limit = inf\n",
+               "site.toml:2: model.time_limit = inf is not allowed: give a number from 0.1"},
+          Case{"[model]\ngravity = 0.0\n",
+               "site.toml:2: model.gravity = 0.0 is not allowed: give a number from 0.1 to 30"},
+          Case{"[terrain]\nresolution = \"fine\"\n",
+               "site.toml:2: terrain.resolution = 'fine' is not allowed: give a number of at least 0"},
+          Case{"[model]\ngravity = [9.81]\n", "model.gravity = a table or list is not allowed"},
+          Case{"model = 3\n", "site.toml:1: model must be a table: begin it with [model]"},
+          Case{"soil = 3\n", "begin each soil with [[soil]]"}, Case{"[[soil]]\nfriction = 1\n", "has no name"},
+          Case{"[[soil]]\nname = 'a'\n[[soil]]\nname = 'a'\n", "two soils are called \"a\""},
+          Case{"[[soil]]\nname = 'a'\nrestitution = 2\n",
+               "site.toml:3: soil.restitution = 2 is not allowed: give a number from 0 to 1"},
+          Case{"[[soil]]\nname = 'a'\nmu = 2\n", "site.toml:3: [[soil]] has no key mu"},
+          Case{"[terain]\ndtm = 'a'\n", "site.toml:1: the section [terain] is unknown; did you mean [terrain]?"},
+          Case{"[[effect]]\nkind = 'forest'\n", "knows no effects"}}) {
         put(folder / "site.toml", c.line);
         const Outcome checked = scree_program({"check", (folder / "site.toml").string()});
         EXPECT_EQ(checked.code, 3);

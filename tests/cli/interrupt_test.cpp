@@ -4,10 +4,9 @@
 #include "cli/results.hpp"
 #include "support/paths.hpp"
 
+#include <fcntl.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-
-#include <fcntl.h>
 #include <spawn.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -77,7 +76,8 @@ private:
 TEST(Interrupt, WritesWhatWasDoneAndSaysSo) {
     const TempDir folder;
     const fs::path out = folder / "out";
-    Process run({"run", (quarry_a() / "site.toml").string(), "--set", "release.count=" + std::to_string(kManyBlocks), "--output", out.string(), "--progress=json", "--quiet"});
+    Process run({"run", (quarry_a() / "site.toml").string(), "--set", "release.count=" + std::to_string(kManyBlocks),
+                 "--output", out.string(), "--progress=json", "--quiet"});
     std::string line = run.line();
     while (!line.empty() && line.find("\"done\"") == std::string::npos) line = run.line();
     ASSERT_THAT(line, HasSubstr("\"done\"")) << "the run never reported progress";
@@ -92,7 +92,9 @@ TEST(Interrupt, WritesWhatWasDoneAndSaysSo) {
     EXPECT_LT(stops.size(), static_cast<std::size_t>(kManyBlocks));
     EXPECT_THAT(last, HasSubstr("interrupted: " + std::to_string(stops.size()) + " of " + std::to_string(kManyBlocks)));
     EXPECT_THAT(text_of(out / "run.toml"), HasSubstr("INTERRUPTED"));
-    EXPECT_NE(text_of(out / "results.gpkg").find("true: " + std::to_string(stops.size()) + " of " + std::to_string(kManyBlocks) + " blocks"), std::string::npos);
+    EXPECT_NE(text_of(out / "results.gpkg")
+                  .find("true: " + std::to_string(stops.size()) + " of " + std::to_string(kManyBlocks) + " blocks"),
+              std::string::npos);
     EXPECT_FALSE(read_points(out / "results.gpkg", "release_points").empty());
 }
 

@@ -29,11 +29,14 @@ inline Outcome scree_program(const std::vector<std::string>& args) {
     return outcome;
 }
 
-inline std::filesystem::path quarry_a() { return std::filesystem::path(SCREE_SOURCE_DIR) / "sample_sites" / "quarry_a"; }
+inline std::filesystem::path quarry_a() {
+    return std::filesystem::path(SCREE_SOURCE_DIR) / "sample_sites" / "quarry_a";
+}
 
 /// `scree run` of quarry_a with 20 blocks into a folder, with more options.
 inline Outcome run_quarry_a(const std::filesystem::path& output, const std::vector<std::string>& more = {}) {
-    std::vector<std::string> args{"run", (quarry_a() / "site.toml").string(), "--set", "release.count=20", "--output", output.string()};
+    std::vector<std::string> args{
+        "run", (quarry_a() / "site.toml").string(), "--set", "release.count=20", "--output", output.string()};
     args.insert(args.end(), more.begin(), more.end());
     return scree_program(args);
 }
@@ -43,6 +46,8 @@ inline std::string text_of(const std::filesystem::path& file) {
     return {std::istreambuf_iterator<char>(in), {}};
 }
 
-inline void put(const std::filesystem::path& file, const std::string& text) { std::ofstream(file, std::ios::binary) << text; }
+inline void put(const std::filesystem::path& file, const std::string& text) {
+    std::ofstream(file, std::ios::binary) << text;
+}
 
 }  // namespace scree::test

@@ -24,7 +24,9 @@ std::vector<double> pixels_of(GDALDataset& raster) {
     const int columns = raster.GetRasterXSize(), rows = raster.GetRasterYSize();
     std::vector<double> values(static_cast<std::size_t>(columns) * static_cast<std::size_t>(rows));
     GDALRasterBand* band = raster.GetRasterBand(1);
-    if (band->RasterIO(GF_Read, 0, 0, columns, rows, values.data(), columns, rows, GDT_Float64, 0, 0, nullptr) != CE_None) values.clear();
+    if (band->RasterIO(GF_Read, 0, 0, columns, rows, values.data(), columns, rows, GDT_Float64, 0, 0, nullptr) !=
+        CE_None)
+        values.clear();
     int has_no_data = 0;
     const double no_data = band->GetNoDataValue(&has_no_data);
     for (double& value : values)
@@ -43,7 +45,8 @@ std::vector<PointRow> read_points(const fs::path& file, const std::string& layer
         PointRow point;
         const OGRPoint* p = feature->GetGeometryRef()->toPoint();
         point.at = {p->getX(), p->getY(), p->getZ()};
-        for (int k = 0; k < feature->GetFieldCount(); ++k) point.values[feature->GetFieldDefnRef(k)->GetNameRef()] = feature->GetFieldAsString(k);
+        for (int k = 0; k < feature->GetFieldCount(); ++k)
+            point.values[feature->GetFieldDefnRef(k)->GetNameRef()] = feature->GetFieldAsString(k);
         points.push_back(std::move(point));
     }
     return points;
@@ -53,7 +56,8 @@ std::set<std::string> fields_of(const fs::path& file, const std::string& layer) 
     std::set<std::string> names;
     const auto data = open(file, GDAL_OF_VECTOR);
     OGRLayer* rows = data ? data->GetLayerByName(layer.c_str()) : nullptr;
-    for (int k = 0; rows && k < rows->GetLayerDefn()->GetFieldCount(); ++k) names.insert(rows->GetLayerDefn()->GetFieldDefn(k)->GetNameRef());
+    for (int k = 0; rows && k < rows->GetLayerDefn()->GetFieldCount(); ++k)
+        names.insert(rows->GetLayerDefn()->GetFieldDefn(k)->GetNameRef());
     return names;
 }
 
@@ -82,17 +86,21 @@ double raster_at(const fs::path& file, double easting, double northing) {
     const auto raster = open(file, GDAL_OF_RASTER);
     std::array<double, 6> t{};
     if (!raster || raster->GetGeoTransform(t.data()) != CE_None) return kNaN;
-    const int column = static_cast<int>(std::floor((easting - t[0]) / t[1])), row = static_cast<int>(std::floor((northing - t[3]) / t[5]));
+    const int column = static_cast<int>(std::floor((easting - t[0]) / t[1])),
+              row = static_cast<int>(std::floor((northing - t[3]) / t[5]));
     if (column < 0 || row < 0 || column >= raster->GetRasterXSize() || row >= raster->GetRasterYSize()) return kNaN;
     double value = kNaN;
-    if (raster->GetRasterBand(1)->RasterIO(GF_Read, column, row, 1, 1, &value, 1, 1, GDT_Float64, 0, 0, nullptr) != CE_None) return kNaN;
+    if (raster->GetRasterBand(1)->RasterIO(GF_Read, column, row, 1, 1, &value, 1, 1, GDT_Float64, 0, 0, nullptr) !=
+        CE_None)
+        return kNaN;
     return value;
 }
 
 bool is_json_object(const std::string& line, const std::vector<std::string>& members) {
     CPLJSONDocument document;
     if (line.empty() || line.front() != '{' || !document.LoadMemory(line)) return false;
-    return std::ranges::all_of(members, [&](const std::string& name) { return document.GetRoot().GetObj(name).IsValid(); });
+    return std::ranges::all_of(members,
+                               [&](const std::string& name) { return document.GetRoot().GetObj(name).IsValid(); });
 }
 
 std::map<std::string, std::string> contents_of(const fs::path& folder) {

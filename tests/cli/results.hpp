@@ -40,6 +40,7 @@ bool is_json_object(const std::string& line, const std::vector<std::string>& mem
 /// Relative name to content, of every file below a folder.
 std::map<std::string, std::string> contents_of(const std::filesystem::path& folder);
 /// Files of a folder whose bytes differ from those of another folder's, or that only one of them has.
-std::vector<std::string> differing_files(const std::filesystem::path& a, const std::filesystem::path& b, const std::set<std::string>& except = {});
+std::vector<std::string> differing_files(const std::filesystem::path& a, const std::filesystem::path& b,
+                                         const std::set<std::string>& except = {});
 
 }  // namespace scree::test

@@ -17,9 +17,10 @@ using testing::IsSupersetOf;
 namespace fs = std::filesystem;
 
 constexpr int kBlocks = 20;
-constexpr double kLargestBlock = 1.5;       // [m] L1 of the block list is at most 1.44
-constexpr double kModelAgainstDtm = 1.2;    // [m] the model of 1 m departs from the DTM by up to 1.11 m, on the rock cuts
-const std::set<std::string> kPathsDiffer{"run.toml", "SHA256SUMS"};  // run.toml leads from the folder of results to the inputs
+constexpr double kLargestBlock = 1.5;     // [m] L1 of the block list is at most 1.44
+constexpr double kModelAgainstDtm = 1.2;  // [m] the model of 1 m departs from the DTM by up to 1.11 m, on the rock cuts
+const std::set<std::string> kPathsDiffer{"run.toml",
+                                         "SHA256SUMS"};  // run.toml leads from the folder of results to the inputs
 
 TEST(Run, WritesEveryLayerWithItsFields) {
     const TempDir folder;
@@ -28,7 +29,8 @@ TEST(Run, WritesEveryLayerWithItsFields) {
     ASSERT_EQ(run.code, 0) << run.err;
     EXPECT_THAT(run.out, HasSubstr("20 blocks thrown"));
     EXPECT_THAT(run.out, HasSubstr("1A: 0 % (95 % interval 0 to "));
-    for (const char* name : {"results.gpkg", "results.qgs", "run.toml", "SHA256SUMS", "rasters/reach_probability.tif", "rasters/reach_probability.qml"})
+    for (const char* name : {"results.gpkg", "results.qgs", "run.toml", "SHA256SUMS", "rasters/reach_probability.tif",
+                             "rasters/reach_probability.qml"})
         EXPECT_TRUE(fs::exists(out / name)) << name;
     for (const char* quantity : {"energy_kj", "height_m", "speed_ms", "spin_rads"})
         for (const char* statistic : {"mean", "p50", "p90", "p95", "p98", "p99", "max"}) {
@@ -37,13 +39,18 @@ TEST(Run, WritesEveryLayerWithItsFields) {
             EXPECT_TRUE(fs::exists(fs::path(file).replace_extension(".qml"))) << file;
         }
     const fs::path gpkg = out / "results.gpkg";
-    EXPECT_THAT(fields_of(gpkg, "stopping_points"), IsSupersetOf({"block", "block_id", "stop_reason", "mass_kg", "l1_m", "runout_m", "drop_m", "path_m", "time_s", "speed_max_ms", "energy_max_kj"}));
+    EXPECT_THAT(fields_of(gpkg, "stopping_points"),
+                IsSupersetOf({"block", "block_id", "stop_reason", "mass_kg", "l1_m", "runout_m", "drop_m", "path_m",
+                              "time_s", "speed_max_ms", "energy_max_kj"}));
     EXPECT_THAT(fields_of(gpkg, "trajectories"), IsSupersetOf({"block", "stop_reason", "speed_max_ms"}));
     EXPECT_THAT(fields_of(gpkg, "release_points"), IsSupersetOf({"block", "mass_kg", "raised_m"}));
-    EXPECT_THAT(fields_of(gpkg, "screen_crossings"), IsSupersetOf({"screen", "block", "speed_ms", "height_m", "spin_rads", "energy_kj", "time_s"}));
-    EXPECT_THAT(fields_of(gpkg, "deposit_zones"), IsSupersetOf({"name", "count", "released", "percent", "percent_low", "percent_high"}));
+    EXPECT_THAT(fields_of(gpkg, "screen_crossings"),
+                IsSupersetOf({"screen", "block", "speed_ms", "height_m", "spin_rads", "energy_kj", "time_s"}));
+    EXPECT_THAT(fields_of(gpkg, "deposit_zones"),
+                IsSupersetOf({"name", "count", "released", "percent", "percent_low", "percent_high"}));
     EXPECT_THAT(fields_of(gpkg, "release_zones"), testing::Not(IsEmpty()));
-    for (const char* layer : {"stopping_points", "trajectories", "release_points", "screen_crossings", "deposit_zones", "screens", "release_zones"})
+    for (const char* layer : {"stopping_points", "trajectories", "release_points", "screen_crossings", "deposit_zones",
+                              "screens", "release_zones"})
         EXPECT_EQ(crs_code_of(gpkg, layer), "2154") << layer;
 }
 
@@ -100,7 +107,8 @@ TEST(Run, ThreadsAndRepetitionDoNotChangeAByte) {
 TEST(Run, RunTomlReproducesTheLayers) {
     const TempDir folder;
     ASSERT_EQ(run_quarry_a(folder / "first", {"--set", "soil.loose waste.rolling=0.06", "--seed", "7"}).code, 0);
-    const Outcome again = scree_program({"run", (folder / "first" / "run.toml").string(), "--output", (folder / "again").string()});
+    const Outcome again =
+        scree_program({"run", (folder / "first" / "run.toml").string(), "--output", (folder / "again").string()});
     ASSERT_EQ(again.code, 0) << again.err;
     EXPECT_THAT(differing_files(folder / "first", folder / "again", kPathsDiffer), IsEmpty());
     // without --output it writes into a folder of its own
@@ -112,7 +120,8 @@ TEST(Run, BlocksDoNotDependOnHowManyAreThrown) {
     const TempDir folder;
     ASSERT_EQ(run_quarry_a(folder / "twenty").code, 0);
     ASSERT_EQ(run_quarry_a(folder / "five", {"--set", "release.count=5"}).code, 0);
-    const auto twenty = read_points(folder / "twenty" / "results.gpkg", "stopping_points"), five = read_points(folder / "five" / "results.gpkg", "stopping_points");
+    const auto twenty = read_points(folder / "twenty" / "results.gpkg", "stopping_points"),
+               five = read_points(folder / "five" / "results.gpkg", "stopping_points");
     ASSERT_EQ(five.size(), 5U);
     std::map<std::string, Vec3> at;
     for (const PointRow& stop : twenty) at[stop.values.at("block")] = stop.at;
@@ -123,7 +132,8 @@ TEST(Run, SeedChangesTheBlocks) {
     const TempDir folder;
     ASSERT_EQ(run_quarry_a(folder / "one", {"--set", "release.count=3"}).code, 0);
     ASSERT_EQ(run_quarry_a(folder / "two", {"--set", "release.count=3", "--seed", "2"}).code, 0);
-    EXPECT_NE(read_points(folder / "one" / "results.gpkg", "stopping_points")[0].at, read_points(folder / "two" / "results.gpkg", "stopping_points")[0].at);
+    EXPECT_NE(read_points(folder / "one" / "results.gpkg", "stopping_points")[0].at,
+              read_points(folder / "two" / "results.gpkg", "stopping_points")[0].at);
 }
 
 TEST(Run, LeavesResultsAloneUnlessTold) {
@@ -207,7 +217,10 @@ TEST(Terrain, WritesTheModelGround) {
     EXPECT_NEAR(heights.high, 269.3, 1.0);
     EXPECT_LE(raster_facts(out / "rasters" / "slope_deg.tif").high, 90.0);
     EXPECT_EQ(scree_program({"terrain", (quarry_a() / "site.toml").string(), "--output", out.string()}).code, 3);
-    EXPECT_EQ(scree_program({"terrain", (quarry_a() / "site.toml").string(), "--output", out.string(), "--overwrite", "--quiet"}).code, 0);
+    EXPECT_EQ(scree_program(
+                  {"terrain", (quarry_a() / "site.toml").string(), "--output", out.string(), "--overwrite", "--quiet"})
+                  .code,
+              0);
 }
 
 }  // namespace

@@ -23,7 +23,9 @@ struct UsageCase {
     const char* err;  ///< fragment of the diagnostics; "" means: nothing is printed
 };
 
-void PrintTo(const UsageCase& c, std::ostream* out) { *out << c.name; }
+void PrintTo(const UsageCase& c, std::ostream* out) {
+    *out << c.name;
+}
 
 const std::string kQuarry = (quarry_a() / "site.toml").string();
 
@@ -58,14 +60,34 @@ const UsageCase kUsage[] = {
     {"SiteIsAFolder", {"check", quarry_a().string()}, 3, "", "site.toml"},
     {"KeyMisspelt", {"check", kQuarry, "--set", "terrain.resolutoin=2"}, 3, "", "did you mean terrain.resolution?"},
     {"KeyOfNoSection", {"check", kQuarry, "--set", "weather.rain=2"}, 3, "", "[weather]"},
-    {"SetOutOfRange", {"check", kQuarry, "--set", "release.height=-1"}, 3, "", "release.height = -1 is not allowed: give a number from 0 to 1000"},
-    {"SetOfWrongType", {"check", kQuarry, "--set", "release.count=many"}, 3, "", "release.count = 'many' is not allowed: give a whole number"},
+    {"SetOutOfRange",
+     {"check", kQuarry, "--set", "release.height=-1"},
+     3,
+     "",
+     "release.height = -1 is not allowed: give a number from 0 to 1000"},
+    {"SetOfWrongType",
+     {"check", kQuarry, "--set", "release.count=many"},
+     3,
+     "",
+     "release.count = 'many' is not allowed: give a whole number"},
     {"SetOfUnknownChoice", {"check", kQuarry, "--set", "blocks.shape=cube"}, 3, "", "\"box\""},
     {"SetOfUnknownSoil", {"check", kQuarry, "--set", "soil.moss.friction=1"}, 3, "", "moss"},
-    {"SetOfSoilOutOfRange", {"check", kQuarry, "--set", "soil.loose waste.restitution=1.5"}, 3, "", "soil.restitution = 1.5"},
+    {"SetOfSoilOutOfRange",
+     {"check", kQuarry, "--set", "soil.loose waste.restitution=1.5"},
+     3,
+     "",
+     "soil.restitution = 1.5"},
     {"SeedBelowZero", {"run", kQuarry, "--seed", "-1", "--output", "never_written"}, 3, "", "model.seed = -1"},
-    {"RangesExchanged", {"check", kQuarry, "--set", "blocks.volume_min=30"}, 3, "", "blocks.volume_min = 30 is larger than blocks.volume_max = 10"},
-    {"DefaultSoilUnknown", {"check", kQuarry, "--set", "zones.default=moss"}, 3, "", "\"loose waste\", \"compact waste\""},
+    {"RangesExchanged",
+     {"check", kQuarry, "--set", "blocks.volume_min=30"},
+     3,
+     "",
+     "blocks.volume_min = 30 is larger than blocks.volume_max = 10"},
+    {"DefaultSoilUnknown",
+     {"check", kQuarry, "--set", "zones.default=moss"},
+     3,
+     "",
+     "\"loose waste\", \"compact waste\""},
     {"FileMissing", {"check", kQuarry, "--set", "release.file=data/nothing.gpkg"}, 3, "", "nothing.gpkg"},
 
     {"Check", {"check", kQuarry}, 0, "Next: scree run", "warning: "},
@@ -98,10 +120,13 @@ TEST_P(Usage, SaysWhatItShould) {
         EXPECT_EQ(std::count(outcome.err.begin(), outcome.err.end(), '\n'), 1) << "one sentence, one line";
     }
 }
-INSTANTIATE_TEST_SUITE_P(Table, Usage, testing::ValuesIn(kUsage), [](const auto& row) { return std::string(row.param.name); });
+INSTANTIATE_TEST_SUITE_P(Table, Usage, testing::ValuesIn(kUsage),
+                         [](const auto& row) { return std::string(row.param.name); });
 
 TEST(Settings, ChangesReachTheSite) {
-    const cli::SiteFile site = cli::read_site_file(kQuarry, {"soil.loose waste.rolling=0.2", "soil.1.friction=0.7", "release.count=7", "site.name=Trial", "terrain.conforming=false"});
+    const cli::SiteFile site =
+        cli::read_site_file(kQuarry, {"soil.loose waste.rolling=0.2", "soil.1.friction=0.7", "release.count=7",
+                                      "site.name=Trial", "terrain.conforming=false"});
     EXPECT_EQ(site.settings.soils[0].rolling, 0.2);
     EXPECT_EQ(site.settings.soils[1].friction, 0.7);
     EXPECT_EQ(site.settings.releases.count, 7);
@@ -157,8 +182,9 @@ TEST(Init, CheckPassesOnceTheDataAreThere) {
     const TempDir folder;
     ASSERT_EQ(scree_program({"init", folder.path().string()}).code, 0);
     std::filesystem::copy(quarry_a() / "data", folder / "data", std::filesystem::copy_options::recursive);
-    const Outcome checked = scree_program({"check", (folder / "site.toml").string(), "--set", "soil.loose.name=loose waste", "--set", "soil.compact.name=compact waste",
-                                           "--set", "zones.default=loose waste"});
+    const Outcome checked =
+        scree_program({"check", (folder / "site.toml").string(), "--set", "soil.loose.name=loose waste", "--set",
+                       "soil.compact.name=compact waste", "--set", "zones.default=loose waste"});
     EXPECT_EQ(checked.code, 0) << checked.err;
     EXPECT_THAT(checked.out, HasSubstr("Inputs are good"));
 }

@@ -84,8 +84,10 @@ void check_random_problems(int contacts, int count, double tolerance) {
         for (int c = 0; c < contacts; ++c) {
             const Eigen::Index n = c * kLocalSize<Dim>;
             EXPECT_GE(p[n], 0.0);
-            EXPECT_LE(p.template segment<T>(n + 1).norm(), problem.friction[static_cast<std::size_t>(c)] * p[n] * (1 + 1e-12) + 1e-12);
-            EXPECT_LE(p.template segment<T>(n + 1 + T).norm(), problem.rolling[static_cast<std::size_t>(c)] * p[n] * (1 + 1e-12) + 1e-12);
+            EXPECT_LE(p.template segment<T>(n + 1).norm(),
+                      problem.friction[static_cast<std::size_t>(c)] * p[n] * (1 + 1e-12) + 1e-12);
+            EXPECT_LE(p.template segment<T>(n + 1 + T).norm(),
+                      problem.rolling[static_cast<std::size_t>(c)] * p[n] * (1 + 1e-12) + 1e-12);
         }
         const Eigen::VectorXd& before = problem.free_velocity;
         const Eigen::VectorXd after = problem.delassus * p + before;
@@ -97,13 +99,27 @@ void check_random_problems(int contacts, int count, double tolerance) {
 
 }  // namespace
 
-TEST(ContactSolver, RandomProblemsOneContact3D) { check_random_problems<3>(1, 20000, 1e-10); }
-TEST(ContactSolver, RandomProblemsTwoContacts3D) { check_random_problems<3>(2, 5000, 1e-10); }
-TEST(ContactSolver, RandomProblemsThreeContacts3D) { check_random_problems<3>(3, 3000, 1e-10); }
-TEST(ContactSolver, RandomProblemsFiveContacts3D) { check_random_problems<3>(5, 1000, 1e-10); }
-TEST(ContactSolver, RandomProblemsOneContact2D) { check_random_problems<2>(1, 20000, 1e-10); }
-TEST(ContactSolver, RandomProblemsTwoContacts2D) { check_random_problems<2>(2, 5000, 1e-10); }
-TEST(ContactSolver, RandomProblemsFourContacts2D) { check_random_problems<2>(4, 1000, 1e-10); }
+TEST(ContactSolver, RandomProblemsOneContact3D) {
+    check_random_problems<3>(1, 20000, 1e-10);
+}
+TEST(ContactSolver, RandomProblemsTwoContacts3D) {
+    check_random_problems<3>(2, 5000, 1e-10);
+}
+TEST(ContactSolver, RandomProblemsThreeContacts3D) {
+    check_random_problems<3>(3, 3000, 1e-10);
+}
+TEST(ContactSolver, RandomProblemsFiveContacts3D) {
+    check_random_problems<3>(5, 1000, 1e-10);
+}
+TEST(ContactSolver, RandomProblemsOneContact2D) {
+    check_random_problems<2>(1, 20000, 1e-10);
+}
+TEST(ContactSolver, RandomProblemsTwoContacts2D) {
+    check_random_problems<2>(2, 5000, 1e-10);
+}
+TEST(ContactSolver, RandomProblemsFourContacts2D) {
+    check_random_problems<2>(4, 1000, 1e-10);
+}
 
 TEST(ContactSolver, ProjectionIsTheNearestPointOfTheCone) {
     RandomStream random(5, 0, RandomPurpose::Effect);
@@ -137,7 +153,8 @@ TEST(ContactSolver, ReferenceProblemsTo1em10) {
         settings.sweeps = 5000;
         const ContactSolverReport report = solve_contacts(problem, settings, p);
         EXPECT_LE(natural_map_residual(problem, p), 1e-10)
-            << entry.path() << " sweeps " << report.sweeps << " newton " << report.newton_iterations << " residual " << report.residual;
+            << entry.path() << " sweeps " << report.sweeps << " newton " << report.newton_iterations << " residual "
+            << report.residual;
         ++read;
     }
     EXPECT_GT(read, 0);

@@ -113,7 +113,8 @@ TEST(ConvexBlock, FilePointsAreStretchedToTheBox) {
     const ConvexBlock block = make_block(settings, kSize, 500.0, random);
     Vec3 extent = Vec3::Zero();
     for (Eigen::Index i = 0; i < block.vertex_count(); ++i) extent = extent.cwiseMax(2.0 * block.vertex(i).cwiseAbs());
-    std::sort(extent.begin(), extent.end(), std::greater<>());  // the axes of a box are its principal axes, in any order
+    std::sort(extent.begin(), extent.end(),
+              std::greater<>());  // the axes of a box are its principal axes, in any order
     EXPECT_NEAR((extent - kSize).norm(), 0.0, 1e-9);
 }
 
@@ -121,7 +122,8 @@ TEST(ConvexBlock, FilePointsAreStretchedToTheBox) {
 TEST(ConvexBlock, MeanNumberOfVertices) {
     for (const int points : {20, 50, 80}) {
         double sum = 0.0;
-        for (std::uint64_t k = 0; k < 400; ++k) sum += static_cast<double>(shaped(BlockShape::Hull, k, points).vertex_count());
+        for (std::uint64_t k = 0; k < 400; ++k)
+            sum += static_cast<double>(shaped(BlockShape::Hull, k, points).vertex_count());
         RecordProperty("mean_" + std::to_string(points), testing::PrintToString(sum / 400.0));
         EXPECT_NEAR(sum / 400.0 / points, 1.0, 0.04) << points;
     }
@@ -156,14 +158,16 @@ TEST(ConvexBlock, PrincipalFrameIsRightHanded) {
         const FramedBlock framed(points, 1.0);
         double worst = 0.0;
         const ConvexHull hull = convex_hull(points);
-        for (std::size_t i = 0; i < hull.vertices.size(); ++i) worst = std::max(worst, (framed.to_body * hull.vertices[i] - framed.block.vertex(i)).norm());
+        for (std::size_t i = 0; i < hull.vertices.size(); ++i)
+            worst = std::max(worst, (framed.to_body * hull.vertices[i] - framed.block.vertex(i)).norm());
         EXPECT_LT(worst, 1e-9);
     }
 }
 
 TEST(ConvexHull, DoesNotDependOnTheOrderOfThePoints) {
     RandomStream random(43, 1, RandomPurpose::Shape);
-    std::vector<Vec3> points = box_points(kSize);  // coplanar quadrilaterals: the cut of each must not depend on the order either
+    std::vector<Vec3> points =
+        box_points(kSize);  // coplanar quadrilaterals: the cut of each must not depend on the order either
     for (int k = 0; k < 40; ++k) {
         const double x = random.normal(), y = random.normal(), z = random.normal();
         points.emplace_back(x, y, z);

@@ -23,20 +23,29 @@ constexpr double kConeSlack = 6e-3;  ///< 2e-3 along the way to a corner of the 
 FramedBlock diamond() {
     return {{{0.5, 0, 0}, {-0.5, 0, 0}, {0, 0.4, 0}, {0, -0.4, 0}, {0, 0, 0.3}, {0, 0, -0.3}}, 100.0};
 }
-FramedBlock box() { return {box_points({0.6, 0.5, 0.4}), 100.0}; }
+FramedBlock box() {
+    return {box_points({0.6, 0.5, 0.4}), 100.0};
+}
 
 /// Contacts of a block whose axes of points are turned by `orientation`.
-std::vector<Contact<3>> contacts_of(const FramedBlock& body, const Surface& surface, const Vec3& position, const Quat& orientation, double reach) {
+std::vector<Contact<3>> contacts_of(const FramedBlock& body, const Surface& surface, const Vec3& position,
+                                    const Quat& orientation, double reach) {
     HullContacts finder(body.block, surface, false);
     std::vector<Contact<3>> contacts;
     finder.detect(position, (orientation * body.to_body.conjugate()).toRotationMatrix(), reach, contacts);
     return contacts;
 }
 
-std::unique_ptr<Surface> ridge() { return grid_terrain(4.0, 1.0, [](double x, double) { return -0.5 * std::abs(x); }); }
-std::unique_ptr<Surface> valley() { return grid_terrain(4.0, 1.0, [](double x, double) { return 0.5 * std::abs(x); }); }
+std::unique_ptr<Surface> ridge() {
+    return grid_terrain(4.0, 1.0, [](double x, double) { return -0.5 * std::abs(x); });
+}
+std::unique_ptr<Surface> valley() {
+    return grid_terrain(4.0, 1.0, [](double x, double) { return 0.5 * std::abs(x); });
+}
 
-Quat turned_about(const Vec3& axis, double degrees) { return Quat(Eigen::AngleAxisd(degrees * kDegree, axis)); }
+Quat turned_about(const Vec3& axis, double degrees) {
+    return Quat(Eigen::AngleAxisd(degrees * kDegree, axis));
+}
 
 }  // namespace
 
@@ -68,7 +77,8 @@ TEST(HullContacts, VertexInAValleyTouchesBothSides) {
 TEST(HullContacts, SeamsOfAPlaneMakeNoSecondContact) {
     for (const double slope : {0.0, 30.0}) {
         for (const Cut cut : {Cut::Grid, Cut::OtherDiagonal, Cut::Alternating, Cut::Random}) {
-            const auto surface = make_mesh_surface(cut_mesh(4.0, 1.0, cut, [=](double x, double) { return -std::tan(slope * kDegree) * x; }));
+            const auto surface = make_mesh_surface(
+                cut_mesh(4.0, 1.0, cut, [=](double x, double) { return -std::tan(slope * kDegree) * x; }));
             TerrainPatch patch;
             surface->gather(surface->bounds(), patch);
             EXPECT_TRUE(patch.edges.empty());
@@ -76,14 +86,16 @@ TEST(HullContacts, SeamsOfAPlaneMakeNoSecondContact) {
             // exactly over a node, over a side, over a diagonal
             for (const Vec2& plan : {Vec2(0, 0), Vec2(0.5, 0), Vec2(0, 0.5), Vec2(0.5, 0.5), Vec2(1e-4, 2e-4)}) {
                 const Vec3 position(plan.x(), plan.y(), 0.3 - std::tan(slope * kDegree) * plan.x());
-                EXPECT_EQ(contacts_of(diamond(), *surface, position, Quat::Identity(), 1e-3).size(), 1u) << plan.transpose();
+                EXPECT_EQ(contacts_of(diamond(), *surface, position, Quat::Identity(), 1e-3).size(), 1u)
+                    << plan.transpose();
             }
         }
     }
 }
 
 TEST(HullContacts, TipPokesIntoAFace) {
-    const auto surface = grid_terrain(4.0, 1.0, [](double x, double y) { return -0.5 * std::max(std::abs(x), std::abs(y)); });
+    const auto surface =
+        grid_terrain(4.0, 1.0, [](double x, double y) { return -0.5 * std::max(std::abs(x), std::abs(y)); });
     for (const double gap : {0.05, -0.03}) {
         const Vec3 position(0.1, 0.05, 0.2 + gap);
         const auto contacts = contacts_of(box(), *surface, position, Quat::Identity(), 0.08);
@@ -105,7 +117,8 @@ TEST(HullContacts, BlockEdgeAcrossARidge) {
     EXPECT_NEAR(contacts[0].gap, -0.01, 1e-9);
     EXPECT_NEAR((contacts[0].normal - Vec3::UnitZ()).norm(), 0.0, 1e-9);
     const Vec3 crest_point(-0.05, 0.0, -half_diagonal + 0.01);
-    EXPECT_NEAR((contacts[0].arm - crest_point).norm(), 0.0, 0.005);  // along the crest it may lie off by a part of the overlap
+    EXPECT_NEAR((contacts[0].arm - crest_point).norm(), 0.0,
+                0.005);  // along the crest it may lie off by a part of the overlap
 }
 
 TEST(HullContacts, FaceFlatOnARidgeTouchesAtBothEnds) {
@@ -150,7 +163,8 @@ TEST(HullContacts, AVertexBesideTheTerrainIsBeyondTheRim) {
     HullContacts finder(body.block, *surface, false);
     std::vector<Contact<3>> contacts;
     const Mat3 rotation = body.to_body.conjugate().toRotationMatrix();
-    for (const auto& [x, z, beyond] : {std::tuple(3.8, 0.05, false), std::tuple(3.8, -0.05, true), std::tuple(3.2, -0.05, false)}) {
+    for (const auto& [x, z, beyond] :
+         {std::tuple(3.8, 0.05, false), std::tuple(3.8, -0.05, true), std::tuple(3.2, -0.05, false)}) {
         finder.detect({x, 0.1, z}, rotation, 1e-3, contacts);
         EXPECT_EQ(finder.beyond_rim(), beyond) << x << " " << z;
     }
@@ -197,7 +211,8 @@ TEST(HullContacts, NormalsLieInTheDihedralCone) {
                 const PatchEdge& e = *edges.at(c.key.terrain);
                 const Vec3 along = (e.b - e.a).normalized();
                 EXPECT_NEAR(c.normal.dot(along), 0.0, 1e-9);
-                const double opening = std::acos(std::min(1.0, e.normal[1].dot(e.normal[0])));  // between the facets' normals, with the finder's slack
+                const double opening = std::acos(std::min(
+                    1.0, e.normal[1].dot(e.normal[0])));  // between the facets' normals, with the finder's slack
                 EXPECT_LE(std::acos(std::min(1.0, c.normal.dot(e.normal[0]))), opening + kConeSlack);
                 EXPECT_LE(std::acos(std::min(1.0, c.normal.dot(e.normal[1]))), opening + kConeSlack);
                 const Vec3 from_a = position + c.arm - e.a;  // the contact point lies on the crest
@@ -205,7 +220,8 @@ TEST(HullContacts, NormalsLieInTheDihedralCone) {
             } else if (c.key.pair == FeaturePair::NodeInFace) {
                 ++tip_contacts;
                 const PatchNode& n = *nodes.at(c.key.terrain);
-                for (int s = n.first; s < n.first + n.count; ++s) EXPECT_LT(c.normal.dot(all.spokes[static_cast<std::size_t>(s)].direction), 0.0);
+                for (int s = n.first; s < n.first + n.count; ++s)
+                    EXPECT_LT(c.normal.dot(all.spokes[static_cast<std::size_t>(s)].direction), 0.0);
             }
         }
     });
@@ -234,7 +250,8 @@ TEST(HullContacts, EveryOverlapHasAContact) {
             for (int s = 0; s <= 100; ++s) {
                 const Vec3 p = q.conjugate() * (e.a + s / 100.0 * (e.b - e.a) - position);
                 double outside = -kInfinity;
-                for (Eigen::Index f = 0; f < block.face_count(); ++f) outside = std::max(outside, block.normal(f).dot(p) - block.offset[f]);
+                for (Eigen::Index f = 0; f < block.face_count(); ++f)
+                    outside = std::max(outside, block.normal(f).dot(p) - block.offset[f]);
                 depth = std::max(depth, -outside);
             }
         }
@@ -256,7 +273,8 @@ TEST(HullContacts, DependOnThePoseOnly) {
     for_random_poses(*surface, 200, [&](const ConvexBlock& block, const Vec3& position, const Quat& q) {
         HullContacts fresh(block, *surface, false), travelled(block, *surface, false);
         std::vector<Contact<3>> a, b;
-        for (const double shift : {0.5, 0.3, 0.1}) travelled.detect(position + Vec3(shift, -shift, 0.0), q.toRotationMatrix(), 0.3, b);
+        for (const double shift : {0.5, 0.3, 0.1})
+            travelled.detect(position + Vec3(shift, -shift, 0.0), q.toRotationMatrix(), 0.3, b);
         fresh.detect(position, q.toRotationMatrix(), 0.02, a);
         travelled.detect(position, q.toRotationMatrix(), 0.02, b);
         ASSERT_EQ(a.size(), b.size());
@@ -323,7 +341,8 @@ TEST(HullContacts, GridAndMeshAgree) {
     for (const auto& f : b.facets) facets[f.id] = &f;
     for (const auto& f : a.facets) {
         ASSERT_TRUE(facets.contains(f.id));
-        EXPECT_NEAR((f.normal - facets[f.id]->normal).norm() + std::abs(f.offset - facets[f.id]->offset), 0.0, kRounding);
+        EXPECT_NEAR((f.normal - facets[f.id]->normal).norm() + std::abs(f.offset - facets[f.id]->offset), 0.0,
+                    kRounding);
     }
     auto inside = [](const Vec3& p) { return p.head<2>().cwiseAbs().maxCoeff() < 1.9; };
     auto edge_places = [&](const TerrainPatch& patch) {
@@ -350,7 +369,9 @@ TEST(HullContacts, GridAndMeshAgree) {
         on_grid.detect(position, q.toRotationMatrix(), 0.02, x);
         on_mesh.detect(position, q.toRotationMatrix(), 0.02, y);
         ASSERT_EQ(x.size(), y.size());
-        auto by_place = [](const Contact<3>& l, const Contact<3>& r) { return std::tuple(l.key.pair, l.arm.x(), l.gap) < std::tuple(r.key.pair, r.arm.x(), r.gap); };
+        auto by_place = [](const Contact<3>& l, const Contact<3>& r) {
+            return std::tuple(l.key.pair, l.arm.x(), l.gap) < std::tuple(r.key.pair, r.arm.x(), r.gap);
+        };
         std::sort(x.begin(), x.end(), by_place);
         std::sort(y.begin(), y.end(), by_place);
         for (std::size_t k = 0; k < x.size(); ++k) {

@@ -18,7 +18,8 @@ TEST(RandomStream, StreamsDifferInSeedStreamAndPurpose) {
     std::set<std::uint64_t> first;
     for (std::uint64_t seed : {0u, 1u}) {
         for (std::uint64_t stream : {std::uint64_t{0}, std::uint64_t{1}, std::uint64_t{1} << 32}) {
-            for (auto purpose : {RandomPurpose::Block, RandomPurpose::Shape}) first.insert(RandomStream(seed, stream, purpose).bits());
+            for (auto purpose : {RandomPurpose::Block, RandomPurpose::Shape})
+                first.insert(RandomStream(seed, stream, purpose).bits());
         }
     }
     EXPECT_EQ(first.size(), 12u);

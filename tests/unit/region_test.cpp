@@ -10,7 +10,9 @@ namespace scree {
 
 namespace {
 
-Ring rectangle(double x0, double y0, double x1, double y1) { return {{x0, y0}, {x1, y0}, {x1, y1}, {x0, y1}}; }
+Ring rectangle(double x0, double y0, double x1, double y1) {
+    return {{x0, y0}, {x1, y0}, {x1, y1}, {x0, y1}};
+}
 
 }  // namespace
 
@@ -32,7 +34,8 @@ TEST(Region, OverlappingPolygonsAreAUnionForContains) {
 
 TEST(Region, SamplesUniformlyByArea) {
     // a square with a hole of a quarter of its area, and a detached triangle
-    const Region region({Polygon{rectangle(0, 0, 2, 2), {rectangle(0.5, 0.5, 1.5, 1.5)}}, Polygon{{{10, 0}, {12, 0}, {10, 1}}, {}}});
+    const Region region(
+        {Polygon{rectangle(0, 0, 2, 2), {rectangle(0.5, 0.5, 1.5, 1.5)}}, Polygon{{{10, 0}, {12, 0}, {10, 1}}, {}}});
     RandomStream random(11, 0, RandomPurpose::ReleasePosition);
     const int n = 40000;
     int triangle = 0, left = 0;

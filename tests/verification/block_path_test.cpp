@@ -48,7 +48,8 @@ struct Block0 {
 
     Block0(const std::filesystem::path& folder, const ReferenceCase& reference, bool on_terrain)
         : body(read_points(folder / "block0_vertices.csv"), reference.number("mass")), rows(reference.path()) {
-        surface = on_terrain ? read_terrain(folder / "path_a.asc") : inclined_plane(reference.number("alpha_deg") * kDegree, 60.0);
+        surface = on_terrain ? read_terrain(folder / "path_a.asc")
+                             : inclined_plane(reference.number("alpha_deg") * kDegree, 60.0);
         soils = {Soil{"slope", reference.number("e"), reference.number("mu"), reference.number("mu_r")}};
         if (on_terrain) {  // more digits than the CSV file
             const auto x = reference.numbers("x0"), q = reference.numbers("q0");
@@ -64,7 +65,8 @@ struct Block0 {
     double distance(const MotionRecorder<3>& motion, double until) const {
         double largest = 0.0;
         for (const auto& row : rows)
-            if (row.time <= until + 1e-9) largest = std::max(largest, (motion.position(row.time) - row.state.position).norm());
+            if (row.time <= until + 1e-9)
+                largest = std::max(largest, (motion.position(row.time) - row.state.position).norm());
         return largest;
     }
 };
@@ -75,7 +77,8 @@ TEST(BlockPath, FramesOfTheReferenceAreMatched) {
     SCREE_SHARED_OR_SKIP(folder, "reference");
     const Block0 block(folder, "c1_block_path_a");
     const auto inertia = ReferenceCase(folder, "c1_block_path_a").numbers("inertia_body");
-    const Mat3 in_points = block.body.to_body.conjugate().toRotationMatrix() * block.body.block.inertia.asDiagonal() * block.body.to_body.toRotationMatrix();
+    const Mat3 in_points = block.body.to_body.conjugate().toRotationMatrix() * block.body.block.inertia.asDiagonal() *
+                           block.body.to_body.toRotationMatrix();
     EXPECT_LT((in_points - Mat3(Vec3(inertia[0], inertia[1], inertia[2]).asDiagonal())).norm(), 1e-9);
 }
 
@@ -124,7 +127,8 @@ TEST(BlockPath, EventModeMeetsTheConvergedSolutionOnAPlane) {
         MotionRecorder<3> event;
         block.mechanics(settings).until(1.01, block.release(), &event);
         double largest = 0.0;
-        for (double t = 0.0; t <= until + 1e-9; t += 0.01) largest = std::max(largest, (event.position(t) - converged.position(t)).norm());
+        for (double t = 0.0; t <= until + 1e-9; t += 0.01)
+            largest = std::max(largest, (event.position(t) - converged.position(t)).norm());
         return largest;
     };
     RecordProperty("default_step_to_1s_m", testing::PrintToString(distance(4e-3, 1.0)));

@@ -20,13 +20,14 @@ constexpr double kRounding = 1e-12;
 /// What the law asks of one solved problem. `before` and `after` are local velocities, e = 0.
 struct LawCheck {
     int problems = 0, unconverged = 0;
-    double worst_residual = 0.0;   ///< of the converged problems [-]
-    double worst_cone = 0.0;       ///< excess of |r_T| over mu r_N and |m_R| over mu_r r_N, relative to the normal impulses [-]
-    double worst_gain = 0.0;       ///< work of the impulses, relative to the kinetic energy before [-]
-    double worst_approach = 0.0;   ///< largest -u_N after, relative to the speed before [-]
+    double worst_residual = 0.0;  ///< of the converged problems [-]
+    double worst_cone =
+        0.0;  ///< excess of |r_T| over mu r_N and |m_R| over mu_r r_N, relative to the normal impulses [-]
+    double worst_gain = 0.0;      ///< work of the impulses, relative to the kinetic energy before [-]
+    double worst_approach = 0.0;  ///< largest -u_N after, relative to the speed before [-]
 
-    void add(const ContactStep<3>& step, const ContactSolverReport& report, const BodyInertia<3>& body, const BlockState<3>& before,
-             const BlockState<3>& after) {
+    void add(const ContactStep<3>& step, const ContactSolverReport& report, const BodyInertia<3>& body,
+             const BlockState<3>& before, const BlockState<3>& after) {
         ++problems;
         if (report.status != SolverStatus::Converged) {
             ++unconverged;
@@ -39,11 +40,14 @@ struct LawCheck {
         for (int c = 0; c < problem.count; ++c) normal += std::max(p[5 * c], 0.0);
         for (int c = 0; c < problem.count; ++c) {
             const auto k = static_cast<std::size_t>(c);
-            worst_cone = std::max({worst_cone, -p[5 * c] / normal, (p.segment<2>(5 * c + 1).norm() - problem.friction[k] * p[5 * c]) / normal,
+            worst_cone = std::max({worst_cone, -p[5 * c] / normal,
+                                   (p.segment<2>(5 * c + 1).norm() - problem.friction[k] * p[5 * c]) / normal,
                                    (p.segment<2>(5 * c + 3).norm() - problem.rolling[k] * p[5 * c]) / normal});
-            worst_approach = std::max(worst_approach, -step.normal_velocity(k, after) / (before.velocity.norm() + before.spin.norm()));
+            worst_approach = std::max(worst_approach,
+                                      -step.normal_velocity(k, after) / (before.velocity.norm() + before.spin.norm()));
         }
-        worst_gain = std::max(worst_gain, (kinetic_energy(body, after) - kinetic_energy(body, before)) / kinetic_energy(body, before));
+        worst_gain = std::max(
+            worst_gain, (kinetic_energy(body, after) - kinetic_energy(body, before)) / kinetic_energy(body, before));
     }
 };
 
@@ -114,7 +118,8 @@ TEST(ContactFrame, IsOrthonormalAndRightHandedForEveryNormal) {
     double worst = 0.0;
     for (const Vec3& n : normals) {
         const Mat3 frame = contact_frame(n);
-        worst = std::max({worst, (frame.transpose() * frame - Mat3::Identity()).norm(), std::abs(frame.determinant() - 1.0), (frame.col(0) - n).norm()});
+        worst = std::max({worst, (frame.transpose() * frame - Mat3::Identity()).norm(),
+                          std::abs(frame.determinant() - 1.0), (frame.col(0) - n).norm()});
     }
     EXPECT_LT(worst, 1e-14);
 }

@@ -14,8 +14,9 @@ namespace scree::test {
 namespace {
 
 constexpr double g = kStandardGravity;
-constexpr double kSide = 1.0;      ///< [m]
-constexpr double kInside = 1e-6;   ///< start inside the plane, as the references do: moreau_jean then has its contacts from the first step [m]
+constexpr double kSide = 1.0;  ///< [m]
+constexpr double kInside =
+    1e-6;  ///< start inside the plane, as the references do: moreau_jean then has its contacts from the first step [m]
 
 struct CubeCase {
     const char* name;
@@ -32,7 +33,10 @@ TEST_P(CubeReference, WholeTrajectory) {
     const auto rows = reference.path();
     const auto plane = inclined_plane(reference.number("alpha_deg") * kDegree);
     const FramedBlock body = cube(kSide);
-    const HullMechanics run{body.block, *plane, {Soil{"plane", 0.0, reference.number("mu"), reference.number("mu_r")}}, reference_settings()};
+    const HullMechanics run{body.block,
+                            *plane,
+                            {Soil{"plane", 0.0, reference.number("mu"), reference.number("mu_r")}},
+                            reference_settings()};
     const auto states = march(run, body.to_block(rows.front().state), rows[1].time, rows.size());
     StateDeviation deviation;
     for (std::size_t k = 0; k < rows.size(); ++k) deviation.add(body.to_points(states[k]), rows[k].state);
@@ -40,7 +44,8 @@ TEST_P(CubeReference, WholeTrajectory) {
     EXPECT_LT(deviation.largest(), GetParam().tolerance) << deviation;
 }
 
-INSTANTIATE_TEST_SUITE_P(Cases, CubeReference, testing::Values(CubeCase{"a6_cube_stick", 1e-8}, CubeCase{"a8_cube_tip", 1e-8}),
+INSTANTIATE_TEST_SUITE_P(Cases, CubeReference,
+                         testing::Values(CubeCase{"a6_cube_stick", 1e-8}, CubeCase{"a8_cube_tip", 1e-8}),
                          [](const auto& p) { return std::string(p.param.name); });
 
 // Four corners that slide share the load in more than one way (rolling resistance can balance one side against the other), and some of them yaw the cube:
@@ -52,28 +57,36 @@ TEST(CubeSlide, GoesAsFarAsTheReference) {
     const auto rows = reference.path();
     const auto plane = inclined_plane(slope);
     const FramedBlock body = cube(kSide);
-    const HullMechanics run{body.block, *plane, {Soil{"plane", 0.0, reference.number("mu"), reference.number("mu_r")}}, reference_settings()};
+    const HullMechanics run{body.block,
+                            *plane,
+                            {Soil{"plane", 0.0, reference.number("mu"), reference.number("mu_r")}},
+                            reference_settings()};
     MotionRecorder<3> motion;
     run.until(rows.back().time - 0.5e-3, body.to_block(rows.front().state), &motion);
     const Vec3 down = plane_frame(slope) * Vec3::UnitX();
     const double far = down.dot(rows.back().state.position - rows.front().state.position);
     double deviation = 0.0;
-    for (const auto& row : rows) deviation = std::max(deviation, std::abs(down.dot(motion.position(row.time) - row.state.position)));
+    for (const auto& row : rows)
+        deviation = std::max(deviation, std::abs(down.dot(motion.position(row.time) - row.state.position)));
     RecordProperty("relative_deviation", testing::PrintToString(deviation / far));
     EXPECT_LT(deviation / far, 1e-3);
 }
 
 class Cube : public testing::TestWithParam<SteppingMode> {
 protected:
-    TrajectoryEnd<3> released(double slope, double mu, double time, const DynamicsSettings& settings, MotionSink<3>* sink = nullptr) const {
+    TrajectoryEnd<3> released(double slope, double mu, double time, const DynamicsSettings& settings,
+                              MotionSink<3>* sink = nullptr) const {
         const auto plane = inclined_plane(slope);
-        return HullMechanics{body_.block, *plane, {Soil{"plane", 0.0, mu, 0.04}}, settings}.until(time, body_.to_block(on_plane(slope, 0.5 * kSide - kInside)), sink);
+        return HullMechanics{body_.block, *plane, {Soil{"plane", 0.0, mu, 0.04}}, settings}.until(
+            time, body_.to_block(on_plane(slope, 0.5 * kSide - kInside)), sink);
     }
     const FramedBlock body_ = cube(kSide);
 };
 
 INSTANTIATE_TEST_SUITE_P(Modes, Cube, testing::Values(SteppingMode::Event, SteppingMode::MoreauJean),
-                         [](const auto& p) { return std::string(kSteppingModeNames[static_cast<std::size_t>(p.param)]); });
+                         [](const auto& p) {
+                             return std::string(kSteppingModeNames[static_cast<std::size_t>(p.param)]);
+                         });
 
 TEST_P(Cube, SticksBelowTheFrictionAngle) {
     const TrajectoryEnd<3> end = released(20 * kDegree, 0.5, 5.0, tight_settings(GetParam()));
@@ -101,7 +114,8 @@ TEST_P(Cube, SlidesAboveTheFrictionAngle) {
 // alpha0 = g (L/2 (sin - cos) - mu_r cos) / (2/3 L^2 + mu_r L/2) (README of the references).
 TEST_P(Cube, TipsOverItsLowerEdge) {
     const double slope = 50 * kDegree, mu_r = 0.04;
-    const double alpha0 = g * (0.5 * kSide * (std::sin(slope) - std::cos(slope)) - mu_r * std::cos(slope)) / (2.0 / 3.0 * kSide * kSide + 0.5 * mu_r * kSide);
+    const double alpha0 = g * (0.5 * kSide * (std::sin(slope) - std::cos(slope)) - mu_r * std::cos(slope)) /
+                          (2.0 / 3.0 * kSide * kSide + 0.5 * mu_r * kSide);
     EXPECT_NEAR(alpha0, 0.512948, 1e-6);
     DynamicsSettings settings = tight_settings(GetParam());
     settings.time_step = 1e-3;

@@ -23,7 +23,8 @@ ConvexBlock random_block(std::uint64_t number, BlockShape shape = BlockShape::Hu
     return make_block(settings, {0.9, 0.7, 0.55}, 400.0, random);
 }
 
-BlockState<3> random_release(const ConvexBlock& block, const Surface& surface, std::uint64_t number, const Vec2& plan, double gap) {
+BlockState<3> random_release(const ConvexBlock& block, const Surface& surface, std::uint64_t number, const Vec2& plan,
+                             double gap) {
     RandomStream random(21, number, RandomPurpose::Orientation);
     BlockState<3> s;
     const double w = random.normal(), x = random.normal(), y = random.normal(), z = random.normal();
@@ -35,10 +36,12 @@ BlockState<3> random_release(const ConvexBlock& block, const Surface& surface, s
 
 /// Total energy at the two ends of a segment [J].
 double energy_at_start(const ConvexBlock& block, const MotionSegment<3>& s) {
-    return 0.5 * block.mass * s.velocity_start.squaredNorm() + s.rotation_energy_start + block.mass * g * s.position.z();
+    return 0.5 * block.mass * s.velocity_start.squaredNorm() + s.rotation_energy_start +
+           block.mass * g * s.position.z();
 }
 double energy_at_end(const ConvexBlock& block, const MotionSegment<3>& s) {
-    return 0.5 * block.mass * s.velocity_end.squaredNorm() + s.rotation_energy_end + block.mass * g * MotionRecorder<3>::end_position(s).z();
+    return 0.5 * block.mass * s.velocity_end.squaredNorm() + s.rotation_energy_end +
+           block.mass * g * MotionRecorder<3>::end_position(s).z();
 }
 
 }  // namespace
@@ -54,7 +57,9 @@ protected:
 };
 
 INSTANTIATE_TEST_SUITE_P(Modes, Energy, testing::Values(SteppingMode::Event, SteppingMode::MoreauJean),
-                         [](const auto& p) { return std::string(kSteppingModeNames[static_cast<std::size_t>(p.param)]); });
+                         [](const auto& p) {
+                             return std::string(kSteppingModeNames[static_cast<std::size_t>(p.param)]);
+                         });
 
 // On a smooth and on a rough slope, e = 0: from the start of one stretch of motion to the start of the next (which includes impacts and what pushes the
 // block out of the ground) energy does not rise; the drops add up to what is missing at the end.
@@ -67,20 +72,26 @@ TEST_P(Energy, NeverRisesAndTheLedgerCloses) {
             const ConvexBlock block = random_block(number);
             const BlockState<3> release = random_release(block, *surface, number, {-35.0, 0.2}, 1.0);
             MotionRecorder<3> motion;
-            const TrajectoryEnd<3> end = HullMechanics{block, *surface, {Soil{"slope", 0.0, 0.6, 0.05}}, settings()}.until(6.0, release, &motion);
+            const TrajectoryEnd<3> end =
+                HullMechanics{block, *surface, {Soil{"slope", 0.0, 0.6, 0.05}}, settings()}.until(6.0, release,
+                                                                                                  &motion);
             ASSERT_NE(end.reason, StopReason::Failed);
             const double weight = block.mass * g;
             double dissipated = 0.0, before = end.energy_start;
             for (std::size_t k = 0; k < motion.segments().size(); ++k) {
                 const MotionSegment<3>& s = motion.segments()[k];
-                const double after = k + 1 < motion.segments().size() ? energy_at_start(block, motion.segments()[k + 1]) : end.energy_end;
-                if (!s.in_contact) flight_drift = std::max(flight_drift, std::abs(energy_at_end(block, s) - energy_at_start(block, s)) / weight);
+                const double after = k + 1 < motion.segments().size() ? energy_at_start(block, motion.segments()[k + 1])
+                                                                      : end.energy_end;
+                if (!s.in_contact)
+                    flight_drift =
+                        std::max(flight_drift, std::abs(energy_at_end(block, s) - energy_at_start(block, s)) / weight);
                 dissipated += before - after;
                 largest_rise = std::max(largest_rise, (after - before) / weight);
                 rises += (after - before) / weight > kAllowedRise;
                 before = after;
             }
-            worst_ledger = std::max(worst_ledger, std::abs(end.energy_start - dissipated - end.energy_end) / std::abs(end.energy_start));
+            worst_ledger = std::max(
+                worst_ledger, std::abs(end.energy_start - dissipated - end.energy_end) / std::abs(end.energy_start));
             EXPECT_GT(dissipated, 0.0);
         }
     }
@@ -102,17 +113,21 @@ TEST(EnergyWithRestitution, KanesParadoxIsCappedAndCounted) {
         RandomStream random(22, number, RandomPurpose::Shape);
         ShapeSettings rod;
         rod.shape = BlockShape::Box;
-        const ConvexBlock block = make_block(rod, {2.0, 0.4, 0.3}, 600.0, random);  // long: normal and tangential motion are strongly coupled
+        const ConvexBlock block =
+            make_block(rod, {2.0, 0.4, 0.3}, 600.0, random);  // long: normal and tangential motion are strongly coupled
         BlockState<3> release = random_release(block, *surface, number, {-30.0, 0.2}, 1.0);
         release.velocity = {random.uniform(-8.0, 8.0), random.uniform(-8.0, 8.0), random.uniform(-6.0, 0.0)};
         release.spin = {0.0, random.uniform(-5.0, 5.0), random.uniform(-5.0, 5.0)};
         MotionRecorder<3> motion;
-        const TrajectoryEnd<3> end = HullMechanics{block, *surface, {Soil{"slope", 0.8, 1.5, 0.0}}, DynamicsSettings{}}.until(4.0, release, &motion);
+        const TrajectoryEnd<3> end =
+            HullMechanics{block, *surface, {Soil{"slope", 0.8, 1.5, 0.0}}, DynamicsSettings{}}.until(4.0, release,
+                                                                                                     &motion);
         capped += end.counters.restitution_capped;
         impacts += end.counters.impacts;
         double before = end.energy_start;
         for (std::size_t k = 0; k < motion.segments().size(); ++k) {
-            const double after = k + 1 < motion.segments().size() ? energy_at_start(block, motion.segments()[k + 1]) : end.energy_end;
+            const double after =
+                k + 1 < motion.segments().size() ? energy_at_start(block, motion.segments()[k + 1]) : end.energy_end;
             largest_rise = std::max(largest_rise, (after - before) / (block.mass * g));
             before = after;
         }
@@ -128,7 +143,9 @@ TEST(EnergyWithRestitution, KanesParadoxIsCappedAndCounted) {
 class Rest : public Energy {};
 
 INSTANTIATE_TEST_SUITE_P(Modes, Rest, testing::Values(SteppingMode::Event, SteppingMode::MoreauJean),
-                         [](const auto& p) { return std::string(kSteppingModeNames[static_cast<std::size_t>(p.param)]); });
+                         [](const auto& p) {
+                             return std::string(kSteppingModeNames[static_cast<std::size_t>(p.param)]);
+                         });
 
 // Cubes and random hulls dropped on the flat and on 15 degrees (friction angle 27, hulls of ten vertices do not roll there) end at rest and stay there:
 // released again from where they rest, they do not move.
@@ -139,10 +156,12 @@ TEST_P(Rest, BlocksComeToRestAndStay) {
             const ConvexBlock block = random_block(number, number % 3 == 0 ? BlockShape::Box : BlockShape::Sharp);
             const HullMechanics run{block, *surface, {Soil{"slope", 0.0, 0.5, 0.04}}, settings()};
             const TrajectoryEnd<3> end = run.until(60.0, random_release(block, *surface, number, {-10.0, 0.2}, 0.3));
-            ASSERT_EQ(end.reason, StopReason::AtRest) << "block " << number << " on " << slope << " deg, " << end.time << " s";
+            ASSERT_EQ(end.reason, StopReason::AtRest)
+                << "block " << number << " on " << slope << " deg, " << end.time << " s";
             const TrajectoryEnd<3> again = run.until(60.0, end.state);
             EXPECT_EQ(again.reason, StopReason::AtRest);
-            EXPECT_LT((again.state.position - end.state.position).norm(), 2e-3) << "block " << number << " on " << slope << " deg";
+            EXPECT_LT((again.state.position - end.state.position).norm(), 2e-3)
+                << "block " << number << " on " << slope << " deg";
         }
     }
 }
@@ -165,7 +184,8 @@ TEST_P(Rest, SpinningOnAVertexIsRest) {
     BlockState<3> release;
     release.position = {0.3, 0.2, 0.3 - 1e-6};
     release.spin = {0.0, 0.0, 3.0};
-    const TrajectoryEnd<3> end = HullMechanics{top.block, *surface, {Soil{"flat", 0.0, 0.5, 0.04}}, settings()}.until(20.0, top.to_block(release));
+    const TrajectoryEnd<3> end = HullMechanics{top.block, *surface, {Soil{"flat", 0.0, 0.5, 0.04}}, settings()}.until(
+        20.0, top.to_block(release));
     EXPECT_EQ(end.reason, StopReason::AtRest);
     EXPECT_NEAR((end.state.orientation * end.state.spin).z(), 3.0, 1e-2);
 }
@@ -178,7 +198,8 @@ TEST_P(Rest, ATopThatPrecessesInPlaceRests) {
     release.orientation = Quat(Eigen::AngleAxisd(0.02, Vec3::UnitX()));
     release.position = {0.3, 0.2, 0.2 * std::cos(0.02)};
     release.spin = {0.0, 0.0, 25.0};
-    const TrajectoryEnd<3> end = HullMechanics{top.block, *surface, {Soil{"flat", 0.0, 0.5, 0.0}}, settings()}.until(30.0, top.to_block(release));
+    const TrajectoryEnd<3> end = HullMechanics{top.block, *surface, {Soil{"flat", 0.0, 0.5, 0.0}}, settings()}.until(
+        30.0, top.to_block(release));
     EXPECT_EQ(end.reason, StopReason::AtRest);
     EXPECT_EQ(end.counters.rested_turning, 1);
     EXPECT_GT(end.state.spin.norm(), 20.0);
@@ -191,7 +212,9 @@ TEST_P(Rest, NotBeyondACrest) {
     for (const double beyond : {-0.2, 0.1, 0.2}) {
         BlockState<3> release;
         release.position = {beyond, 0.4, 0.5};
-        const TrajectoryEnd<3> end = HullMechanics{body.block, *surface, {Soil{"rock", 0.0, 0.5, 0.04}}, settings()}.until(20.0, body.to_block(release));
+        const TrajectoryEnd<3> end =
+            HullMechanics{body.block, *surface, {Soil{"rock", 0.0, 0.5, 0.04}}, settings()}.until(
+                20.0, body.to_block(release));
         RecordProperty("end_x_" + std::to_string(beyond), testing::PrintToString(end.state.position.x()));
         if (beyond < 0.0) {
             EXPECT_EQ(end.reason, StopReason::AtRest);
@@ -204,7 +227,8 @@ TEST_P(Rest, NotBeyondACrest) {
 
 // Blocks that roll along the rim of the terrain end there or go on, but never meet the ground from the side.
 TEST(Rim, BlocksDoNotEnterTheGroundFromTheSide) {
-    const auto surface = grid_terrain(12.0, 1.0, [](double x, double y) { return y > 1.5 * std::sin(x) ? kNaN : -0.5 * x; });
+    const auto surface =
+        grid_terrain(12.0, 1.0, [](double x, double y) { return y > 1.5 * std::sin(x) ? kNaN : -0.5 * x; });
     std::array<int, 4> ends{};
     for (std::uint64_t k = 0; k < 200; ++k) {
         RandomStream random(8, k, RandomPurpose::Shape);
@@ -219,7 +243,8 @@ TEST(Rim, BlocksDoNotEnterTheGroundFromTheSide) {
         EXPECT_LT(end.counters.largest_penetration, 0.02) << "block " << k;
     }
     EXPECT_GT(ends[static_cast<std::size_t>(StopReason::LeftTerrain)], 50);
-    EXPECT_EQ(ends[static_cast<std::size_t>(StopReason::TimeLimit)] + ends[static_cast<std::size_t>(StopReason::Failed)], 0);
+    EXPECT_EQ(
+        ends[static_cast<std::size_t>(StopReason::TimeLimit)] + ends[static_cast<std::size_t>(StopReason::Failed)], 0);
 }
 
 }  // namespace scree::test

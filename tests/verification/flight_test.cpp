@@ -31,7 +31,9 @@ BlockState<3> rotated(double longest, double time) {
     return s;
 }
 
-Vec3 angular_momentum(const BlockState<3>& s) { return s.orientation * kBlock0.moment.cwiseProduct(s.spin); }
+Vec3 angular_momentum(const BlockState<3>& s) {
+    return s.orientation * kBlock0.moment.cwiseProduct(s.spin);
+}
 
 }  // namespace
 
@@ -47,12 +49,15 @@ TEST(Flight, ParabolaIsExact) {
     EXPECT_EQ(end.reason, StopReason::TimeLimit);
     EXPECT_DOUBLE_EQ(end.time, time);
     const double rounding = 1e-12;  // some 20 sums of numbers of order 100
-    EXPECT_NEAR((end.state.position - (release.position + time * release.velocity + 0.5 * time * time * gravity)).norm(), 0.0, rounding);
+    EXPECT_NEAR(
+        (end.state.position - (release.position + time * release.velocity + 0.5 * time * time * gravity)).norm(), 0.0,
+        rounding);
     EXPECT_NEAR((end.state.velocity - (release.velocity + time * gravity)).norm(), 0.0, rounding);
     ASSERT_EQ(motion.segments().size(), 1u);
     EXPECT_FALSE(motion.segments().front().in_contact);
     for (const double t : {0.0, 0.31, 1.9, 3.7})
-        EXPECT_NEAR((motion.position(t) - (release.position + t * release.velocity + 0.5 * t * t * gravity)).norm(), 0.0, rounding);
+        EXPECT_NEAR((motion.position(t) - (release.position + t * release.velocity + 0.5 * t * t * gravity)).norm(),
+                    0.0, rounding);
 }
 
 // Runge-Kutta 4 at 10 ms: the error per step is of order (|Omega| h)^5 = 7e-7, most of it in phase; measured after 10 s: energy 1.3e-10, momentum 3.1e-9.
@@ -62,8 +67,11 @@ TEST(Flight, KeepsEnergyAndAngularMomentum) {
     EXPECT_NEAR(rotation_energy(kBlock0, end.spin) / rotation_energy(kBlock0, start.spin), 1.0, kDrift);
     EXPECT_LT((angular_momentum(end) - angular_momentum(start)).norm() / angular_momentum(start).norm(), kDrift);
     EXPECT_NEAR(end.orientation.norm(), 1.0, 1e-14);
-    RecordProperty("energy_drift", testing::PrintToString(rotation_energy(kBlock0, end.spin) / rotation_energy(kBlock0, start.spin) - 1.0));
-    RecordProperty("momentum_drift", testing::PrintToString((angular_momentum(end) - angular_momentum(start)).norm() / angular_momentum(start).norm()));
+    RecordProperty(
+        "energy_drift",
+        testing::PrintToString(rotation_energy(kBlock0, end.spin) / rotation_energy(kBlock0, start.spin) - 1.0));
+    RecordProperty("momentum_drift", testing::PrintToString((angular_momentum(end) - angular_momentum(start)).norm() /
+                                                            angular_momentum(start).norm()));
 }
 
 TEST(Flight, RotationConvergesWithFourthOrder) {

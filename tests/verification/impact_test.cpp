@@ -16,16 +16,17 @@ namespace scree::test {
 namespace {
 
 constexpr double g = kStandardGravity;
-constexpr double kRadius = 0.5;      ///< of the sphere [m]
-constexpr double kDrop = 0.5;        ///< free fall before the first impact in all cases [m]
+constexpr double kRadius = 0.5;                      ///< of the sphere [m]
+constexpr double kDrop = 0.5;                        ///< free fall before the first impact in all cases [m]
 constexpr double kImpactTime = 0.31932995678105874;  ///< sqrt(2 kDrop / g), stated in the reference files [s]
-constexpr double kReferenceTolerance = 1e-8;         ///< the first impact of the same scheme is a linear problem [m, rad, m/s, rad/s]
+constexpr double kReferenceTolerance =
+    1e-8;  ///< the first impact of the same scheme is a linear problem [m, rad, m/s, rad/s]
 
 struct ImpactCase {
     const char* name;
-    bool whole;        ///< the reference uses the same linearised scheme to the end (e = 0), else only up to the first impact
-    double first;      ///< up to the end of the first impact [m, rad, m/s, rad/s]
-    double after;      ///< after it [m, rad, m/s, rad/s]
+    bool whole;  ///< the reference uses the same linearised scheme to the end (e = 0), else only up to the first impact
+    double first;  ///< up to the end of the first impact [m, rad, m/s, rad/s]
+    double after;  ///< after it [m, rad, m/s, rad/s]
 };
 
 }  // namespace
@@ -33,12 +34,14 @@ struct ImpactCase {
 class ImpactReference : public testing::TestWithParam<ImpactCase> {
 protected:
     template <class AnyMechanics>
-    void compare(const AnyMechanics& run, const ReferenceCase& reference, const std::function<BlockState<3>(const BlockState<3>&, bool)>& convert,
-                 double mass) {
+    void compare(const AnyMechanics& run, const ReferenceCase& reference,
+                 const std::function<BlockState<3>(const BlockState<3>&, bool)>& convert, double mass) {
         const auto rows = reference.path();
-        const auto states = march(run, convert(rows.front().state, true), rows[1].time, GetParam().whole ? rows.size() : 33);
+        const auto states =
+            march(run, convert(rows.front().state, true), rows[1].time, GetParam().whole ? rows.size() : 33);
         StateDeviation first, all;
-        for (std::size_t k = 0; k < states.size(); ++k) (rows[k].time < 0.3205 ? first : all).add(convert(states[k], false), rows[k].state);
+        for (std::size_t k = 0; k < states.size(); ++k)
+            (rows[k].time < 0.3205 ? first : all).add(convert(states[k], false), rows[k].state);
         RecordProperty("first_impact", testing::PrintToString(first));
         RecordProperty("after", testing::PrintToString(all));
         EXPECT_LT(first.largest(), GetParam().first) << first;
@@ -55,16 +58,20 @@ protected:
 TEST_P(ImpactReference, FirstImpactAndAfter) {
     SCREE_SHARED_OR_SKIP(folder, "reference");
     const ReferenceCase reference(folder, GetParam().name);
-    const std::vector<Soil> soils{Soil{"plane", reference.number("e"), reference.number("mu"), reference.number("mu_r")}};
+    const std::vector<Soil> soils{
+        Soil{"plane", reference.number("e"), reference.number("mu"), reference.number("mu_r")}};
     if (std::string(GetParam().name).find("sphere") != std::string::npos) {
         SphereOnPlane plane(kRadius, Vec3::UnitZ());
         const SphereMechanics run{sphere_inertia(kRadius), plane, soils, reference_settings()};
-        compare(run, reference, [](const BlockState<3>& s, bool) { return s; }, run.body.mass);
+        compare(
+            run, reference, [](const BlockState<3>& s, bool) { return s; }, run.body.mass);
     } else {
         const FramedBlock body = cube();
         const auto plane = inclined_plane(0.0, 10.0);
         const HullMechanics run{body.block, *plane, soils, reference_settings()};
-        compare(run, reference, [&](const BlockState<3>& s, bool in) { return in ? body.to_block(s) : body.to_points(s); }, body.block.mass);
+        compare(
+            run, reference, [&](const BlockState<3>& s, bool in) { return in ? body.to_block(s) : body.to_points(s); },
+            body.block.mass);
     }
 }
 
@@ -114,7 +121,8 @@ TEST(Impact, BounceHeightsAreInTheRatioOfRestitutionSquared) {
         ++bounces;
         EXPECT_NEAR(after / -before, e, 1e-9);
         height *= e * e;
-        EXPECT_NEAR(all[k + 1].position.z() - kRadius + after * after / (2.0 * g), height, 1.1e-4);  // the activation gap
+        EXPECT_NEAR(all[k + 1].position.z() - kRadius + after * after / (2.0 * g), height,
+                    1.1e-4);  // the activation gap
     }
     EXPECT_EQ(bounces, 3);
     // the bounces add up to kImpactTime (1 + 2 e / (1 - e)), the threshold of restitution leaves out the last 0.02 s
@@ -133,9 +141,9 @@ TEST(Impact, PlasticImpactDoesNotBounce) {
 namespace {
 
 struct Oblique {
-    double e, mu, mu_r;    ///< [-, -, m]
-    double speed, spin;    ///< horizontal velocity [m/s] and spin about y [rad/s] before the impact
-    bool sticks;           ///< what the closed form gives
+    double e, mu, mu_r;  ///< [-, -, m]
+    double speed, spin;  ///< horizontal velocity [m/s] and spin about y [rad/s] before the impact
+    bool sticks;         ///< what the closed form gives
 };
 
 void expect_oblique(const Oblique& o) {
@@ -189,8 +197,9 @@ TEST(Impact, CubeOnItsFaceBouncesWithoutTurning) {
     const auto plane = inclined_plane(0.0, 10.0);
     for (const double e : {0.0, 0.5}) {
         MotionRecorder<3> motion;
-        const TrajectoryEnd<3> end = HullMechanics{body.block, *plane, {Soil{"plane", e, 0.5, 0.04}}, tight_settings(SteppingMode::Event)}.until(
-            10.0, body.to_block(on_plane(0.0, 0.5 + kDrop)), &motion);
+        const TrajectoryEnd<3> end =
+            HullMechanics{body.block, *plane, {Soil{"plane", e, 0.5, 0.04}}, tight_settings(SteppingMode::Event)}.until(
+                10.0, body.to_block(on_plane(0.0, 0.5 + kDrop)), &motion);
         EXPECT_EQ(end.reason, StopReason::AtRest);
         EXPECT_NEAR(motion.segments()[0].duration, kImpactTime, kImpactTimeTolerance);
         EXPECT_NEAR(motion.segments()[1].velocity_start.z(), -e * motion.segments()[0].velocity_end.z(), 1e-7);

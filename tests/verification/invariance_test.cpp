@@ -5,10 +5,10 @@
 // way. The window holds the first impacts only. In event mode the moment of an impact is located to half the activation gap, along
 // a way of halvings that depends on the patch of terrain around the block: that, not rounding, is what a turn or a mirror leaves, so the gap is made
 // small here and the tolerance is a multiple of it.
+#include "scree/geometry/local_frame.hpp"
 #include "support/motion.hpp"
 #include "support/scenes.hpp"
 #include "support/terrains.hpp"
-#include "scree/geometry/local_frame.hpp"
 
 #include <gtest/gtest.h>
 
@@ -18,9 +18,9 @@ namespace scree::test {
 
 namespace {
 
-constexpr double kWindow = 0.75;        ///< [s]
-constexpr double kActivationGap = 1e-6; ///< [m]
-constexpr double kSame = 1e-6;          ///< where nothing but rounding differs [m]
+constexpr double kWindow = 0.75;                        ///< [s]
+constexpr double kActivationGap = 1e-6;                 ///< [m]
+constexpr double kSame = 1e-6;                          ///< where nothing but rounding differs [m]
 constexpr double kSameLocated = 30.0 * kActivationGap;  ///< where impacts are located on other ways [m]
 constexpr double kSlope = 36 * kDegree;
 
@@ -39,7 +39,8 @@ protected:
         RandomStream random(31, number, RandomPurpose::Shape);
         std::vector<Vec3> points;
         for (int k = 0; k < 25; ++k) {
-            const double x = random.uniform(-0.45, 0.45), y = random.uniform(-0.35, 0.35), z = random.uniform(-0.28, 0.28);
+            const double x = random.uniform(-0.45, 0.45), y = random.uniform(-0.35, 0.35),
+                         z = random.uniform(-0.28, 0.28);
             points.emplace_back(x, y, z);
         }
         return {points, 400.0};
@@ -60,13 +61,16 @@ protected:
     static void expect_same(const BlockState<3>& a, const BlockState<3>& b, double tolerance, double& largest) {
         largest = std::max(largest, (a.position - b.position).norm());
         EXPECT_LT((a.position - b.position).norm(), tolerance);
-        EXPECT_LT((a.velocity - b.velocity).norm(), 30.0 * tolerance);  // after the last impact a difference has had 0.1 s to become one of position
+        EXPECT_LT((a.velocity - b.velocity).norm(),
+                  30.0 * tolerance);  // after the last impact a difference has had 0.1 s to become one of position
     }
     double turned_tolerance() const { return GetParam() == SteppingMode::Event ? kSameLocated : kSame; }
 };
 
 INSTANTIATE_TEST_SUITE_P(Modes, Invariance, testing::Values(SteppingMode::Event, SteppingMode::MoreauJean),
-                         [](const auto& p) { return std::string(kSteppingModeNames[static_cast<std::size_t>(p.param)]); });
+                         [](const auto& p) {
+                             return std::string(kSteppingModeNames[static_cast<std::size_t>(p.param)]);
+                         });
 
 // A rough mesh, the block and its motion turned about the vertical: the whole trajectory turns with them.
 TEST_P(Invariance, TurnedAboutTheVertical) {
@@ -149,7 +153,8 @@ TEST_P(Invariance, CutOfAPlane) {
     auto plane = [](double x, double) { return -std::tan(kSlope) * x; };
     const auto grid = grid_terrain(16.0, 1.0, plane);
     std::vector<std::unique_ptr<Surface>> cuts;
-    for (const Cut cut : {Cut::Grid, Cut::OtherDiagonal, Cut::Alternating, Cut::Random}) cuts.push_back(make_mesh_surface(cut_mesh(16.0, 1.0, cut, plane)));
+    for (const Cut cut : {Cut::Grid, Cut::OtherDiagonal, Cut::Alternating, Cut::Random})
+        cuts.push_back(make_mesh_surface(cut_mesh(16.0, 1.0, cut, plane)));
     cuts.push_back(grid_terrain(16.0, 0.25, plane));
     cuts.push_back(grid_terrain(16.0, 8.0, plane));
     double largest = 0.0;
@@ -157,7 +162,8 @@ TEST_P(Invariance, CutOfAPlane) {
         const FramedBlock body = block(number);
         const TrajectoryEnd<3> expected = thrown(body, *grid, release(number));
         EXPECT_GT(expected.counters.contact_steps, 0);
-        for (const auto& surface : cuts) expect_same(thrown(body, *surface, release(number)).state, expected.state, kSame, largest);
+        for (const auto& surface : cuts)
+            expect_same(thrown(body, *surface, release(number)).state, expected.state, kSame, largest);
     }
     RecordProperty("largest_m", testing::PrintToString(largest));
 }

@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // A sphere on a plane: sticking, rolling, sliding, coming to rest, spinning about the normal. Reference solutions a1-a5 and a9, and closed forms.
+#include "support/sphere.hpp"
+
 #include "support/motion.hpp"
 #include "support/paths.hpp"
 #include "support/reference.hpp"
 #include "support/scenes.hpp"
-#include "support/sphere.hpp"
 
 #include <gtest/gtest.h>
 
@@ -14,8 +15,9 @@ namespace scree::test {
 
 namespace {
 
-constexpr double kRadius = 0.5;               ///< of the reference spheres [m]
-constexpr double kReferenceTolerance = 1e-8;  ///< what the reference solutions are good for (their README) [m, m/s, rad/s]
+constexpr double kRadius = 0.5;  ///< of the reference spheres [m]
+constexpr double kReferenceTolerance =
+    1e-8;  ///< what the reference solutions are good for (their README) [m, m/s, rad/s]
 /// The quaternions of the references are not that good: in a2 1.3e-7 rad off the closed form of steady rolling, and not of unit length.
 constexpr double kReferenceAngle = 1e-6;  ///< [rad]
 /// Start inside the plane by this much, as the references do: moreau_jean then has a contact from its first step [m].
@@ -28,7 +30,9 @@ SphereMechanics sphere_run(SphereOnPlane& plane, double mu, double mu_r, const D
     return {sphere_inertia(kRadius), plane, {Soil{"plane", 0.0, mu, mu_r}}, settings};
 }
 
-Vec3 plane_normal(double slope) { return {std::sin(slope), 0.0, std::cos(slope)}; }
+Vec3 plane_normal(double slope) {
+    return {std::sin(slope), 0.0, std::cos(slope)};
+}
 
 }  // namespace
 
@@ -50,7 +54,8 @@ TEST_P(SphereReference, WholeTrajectory) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Cases, SphereReference,
-                         testing::Values("a1_sphere_stick_no_roll", "a2_sphere_roll_no_slip", "a3_sphere_slide_and_roll", "a4_sphere_slide_no_roll",
+                         testing::Values("a1_sphere_stick_no_roll", "a2_sphere_roll_no_slip",
+                                         "a3_sphere_slide_and_roll", "a4_sphere_slide_no_roll",
                                          "a5_sphere_roll_to_rest", "a9_sphere_drilling_spin"),
                          [](const auto& p) { return std::string(p.param); });
 
@@ -79,9 +84,13 @@ protected:
 };
 
 INSTANTIATE_TEST_SUITE_P(Modes, Sphere, testing::Values(SteppingMode::Event, SteppingMode::MoreauJean),
-                         [](const auto& p) { return std::string(kSteppingModeNames[static_cast<std::size_t>(p.param)]); });
+                         [](const auto& p) {
+                             return std::string(kSteppingModeNames[static_cast<std::size_t>(p.param)]);
+                         });
 
-TEST_P(Sphere, SticksBelowTheRollingAngle) { expect_accelerations(10 * kDegree, 0.5, 0.1, 0.0, 0.0); }
+TEST_P(Sphere, SticksBelowTheRollingAngle) {
+    expect_accelerations(10 * kDegree, 0.5, 0.1, 0.0, 0.0);
+}
 
 TEST_P(Sphere, RollsExactlyAboveTheRollingAngle) {
     const double mu_r = 0.04;
@@ -126,8 +135,10 @@ TEST_P(Sphere, RollsToRest) {
     const auto still = std::find_if(all.begin(), all.end(), [](const auto& s) { return s.velocity_end.norm() < 1e-9; });
     ASSERT_NE(still, all.end());
     EXPECT_NEAR(still->start + still->duration, stop, settings.time_step);  // the law stops it within the step
-    EXPECT_NEAR(end.time, stop + settings.rest_time, 2.0 * settings.time_step + 0.01);  // rest may begin 1e-6 m of head before the stop: 7 ms
-    EXPECT_NEAR(end.state.position.x(), stop, 2.0 * settings.time_step * settings.time_step);  // half of the last step's speed times its length
+    EXPECT_NEAR(end.time, stop + settings.rest_time,
+                2.0 * settings.time_step + 0.01);  // rest may begin 1e-6 m of head before the stop: 7 ms
+    EXPECT_NEAR(end.state.position.x(), stop,
+                2.0 * settings.time_step * settings.time_step);  // half of the last step's speed times its length
 }
 
 // No moment about N in the law: the spin stays for ever, and it counts as rest.

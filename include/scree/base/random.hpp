@@ -8,7 +8,14 @@ namespace scree {
 
 /// What a random stream is for. Streams of different purposes are independent, so that drawing one more number for the shape
 /// does not change the release position.
-enum class RandomPurpose : std::uint32_t { Block = 1, Shape = 2, ReleasePosition = 3, Orientation = 4, Effect = 5, Resampling = 6 };
+enum class RandomPurpose : std::uint32_t {
+    Block = 1,
+    Shape = 2,
+    ReleasePosition = 3,
+    Orientation = 4,
+    Effect = 5,
+    Resampling = 6
+};
 
 /// A counter-based random stream: Philox4x32-10 (Salmon et al. 2011, SC'11) keyed by (seed, stream number, purpose).
 /// Its numbers depend on nothing else: not on threads, order, or how many other streams exist. Identical on every platform.

@@ -15,7 +15,11 @@ namespace scree {
 /// Standard gravity [m/s^2] (CGPM 1901).
 inline constexpr double kStandardGravity = 9.80665;
 
-inline constexpr double radians_from_degrees(double degrees) { return degrees * std::numbers::pi / 180.0; }
-inline constexpr double degrees_from_radians(double radians) { return radians * 180.0 / std::numbers::pi; }
+inline constexpr double radians_from_degrees(double degrees) {
+    return degrees * std::numbers::pi / 180.0;
+}
+inline constexpr double degrees_from_radians(double radians) {
+    return radians * 180.0 / std::numbers::pi;
+}
 
 }  // namespace scree

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <Eigen/Core>
+
 #include <vector>
 
 namespace scree {
@@ -20,8 +21,9 @@ template <int Dim>
 struct ContactProblem {
     static constexpr int kLocal = kLocalSize<Dim>;
 
-    int count = 0;                  ///< number of contacts [-]
-    Eigen::MatrixXd delassus;       ///< W = G^T M^-1 G, kLocal count square, symmetric positive semidefinite [1/kg, 1/(kg m), 1/(kg m^2)]
+    int count = 0;  ///< number of contacts [-]
+    Eigen::MatrixXd
+        delassus;  ///< W = G^T M^-1 G, kLocal count square, symmetric positive semidefinite [1/kg, 1/(kg m), 1/(kg m^2)]
     Eigen::VectorXd free_velocity;  ///< q, contact by contact [m/s, rad/s]
     std::vector<double> friction;   ///< mu of each contact [-]
     std::vector<double> rolling;    ///< mu_r of each contact [m]
@@ -30,7 +32,8 @@ struct ContactProblem {
 };
 
 struct ContactSolverSettings {
-    double tolerance = 1e-4;  ///< largest natural-map residual relative to the free velocity; smaller costs iterations [-]
+    double tolerance =
+        1e-4;  ///< largest natural-map residual relative to the free velocity; smaller costs iterations [-]
     int newton_iterations = 30;  ///< semismooth Newton iterations before the sweeps take over [-]
     int sweeps = 400;            ///< Gauss-Seidel sweeps of the fallback, Newton is tried again in between [-]
     bool operator==(const ContactSolverSettings&) const = default;
@@ -48,7 +51,8 @@ struct ContactSolverReport {
 /// Solves for the impulses p [N s, N m s]; `impulse` holds a first guess on entry (zero if none) and must have the right size.
 /// Never throws: non-convergence is a status, the best impulse found is returned and lies in the cone.
 template <int Dim>
-ContactSolverReport solve_contacts(const ContactProblem<Dim>& problem, const ContactSolverSettings& settings, Eigen::VectorXd& impulse);
+ContactSolverReport solve_contacts(const ContactProblem<Dim>& problem, const ContactSolverSettings& settings,
+                                   Eigen::VectorXd& impulse);
 
 /// Relative natural-map residual of given impulses: p = proj(p - u~) contact by contact on the cone K_r with De Saxce's term
 /// mu |u_T| + mu_r |omega_R| added to u_N (Acary & Bourrier 2021), in variables scaled so that a contact's W is of order one.
@@ -57,6 +61,7 @@ double natural_map_residual(const ContactProblem<Dim>& problem, const Eigen::Vec
 
 /// Euclidean projection on K_r = {|r_T| <= mu r_N, |m_R| <= mu_r r_N}, by the exact minimum of a piecewise quadratic.
 template <int Dim>
-Eigen::Matrix<double, kLocalSize<Dim>, 1> project_on_cone(const Eigen::Matrix<double, kLocalSize<Dim>, 1>& p, double mu, double mu_r);
+Eigen::Matrix<double, kLocalSize<Dim>, 1> project_on_cone(const Eigen::Matrix<double, kLocalSize<Dim>, 1>& p, double mu,
+                                                          double mu_r);
 
 }  // namespace scree

@@ -10,7 +10,8 @@ struct Soil {
     std::string name;
     double restitution = 0.0;  ///< e of Newton's impact law; more bounces higher and runs farther [-]
     double friction = 0.5;     ///< mu of Coulomb friction; less slides more [-]
-    double rolling = 0.04;     ///< mu_r, lever arm of the rolling resistance, a LENGTH (B&A Table 1); more stops earlier [m]
+    double rolling =
+        0.04;  ///< mu_r, lever arm of the rolling resistance, a LENGTH (B&A Table 1); more stops earlier [m]
 
     bool operator==(const Soil&) const = default;
 };

@@ -12,8 +12,8 @@ struct Space;
 template <>
 struct Space<3> {
     using Vec = Vec3;
-    using Spin = Vec3;          ///< angular velocity or moment, body frame
-    using Orientation = Quat;   ///< body to local frame
+    using Spin = Vec3;         ///< angular velocity or moment, body frame
+    using Orientation = Quat;  ///< body to local frame
     using Rotation = Mat3;
     static Orientation identity() { return Quat::Identity(); }
 };
@@ -31,10 +31,10 @@ struct Space<2> {
 /// Motion of a rigid block.
 template <int Dim>
 struct BlockState {
-    typename Space<Dim>::Vec position = Space<Dim>::Vec::Zero();   ///< centre of mass, local frame [m]
+    typename Space<Dim>::Vec position = Space<Dim>::Vec::Zero();            ///< centre of mass, local frame [m]
     typename Space<Dim>::Orientation orientation = Space<Dim>::identity();  ///< body to local frame [-; rad in 2D]
-    typename Space<Dim>::Vec velocity = Space<Dim>::Vec::Zero();   ///< of the centre of mass, local frame [m/s]
-    typename Space<Dim>::Spin spin = Space<Dim>::Spin::Zero();     ///< angular velocity, BODY frame [rad/s]
+    typename Space<Dim>::Vec velocity = Space<Dim>::Vec::Zero();  ///< of the centre of mass, local frame [m/s]
+    typename Space<Dim>::Spin spin = Space<Dim>::Spin::Zero();    ///< angular velocity, BODY frame [rad/s]
 };
 
 }  // namespace scree

@@ -24,17 +24,20 @@ inline constexpr std::array<const char*, 2> kSteppingModeNames{"event", "moreau_
 /// Settings of the mechanics of one trajectory.
 struct DynamicsSettings {
     SteppingMode mode = SteppingMode::Event;
-    double time_step = 4e-3;       ///< longest step in contact (every step in moreau_jean); longer is faster and less accurate [s]
-    double time_limit = 120.0;     ///< a block still moving then ends as time_limit; too short cuts trajectories off [s]
+    double time_step =
+        4e-3;  ///< longest step in contact (every step in moreau_jean); longer is faster and less accurate [s]
+    double time_limit = 120.0;  ///< a block still moving then ends as time_limit; too short cuts trajectories off [s]
     double gravity = kStandardGravity;  ///< downward acceleration [m/s^2]
-    double activation_gap = 1e-4;  ///< a contact closes at this gap; larger merges contacts that should act one after the other [m]
-    double release_gap = 1e-3;     ///< a closed contact opens beyond this gap; smaller lets sliding blocks chatter [m]
-    double impact_speed = 0.1;     ///< approach faster than this is an impact that takes no time (event mode) [m/s]
-    double restitution_threshold = 0.1;  ///< slower normal approach does not bounce (event mode); smaller makes endless small bounces [m/s]
-    double flight_step = 1e-2;     ///< longest step of the rotation in flight; the path itself is exact [s]
-    double rest_head = 1e-6;       ///< kinetic energy per weight below which a block in static equilibrium may stop [m]
-    double rest_time = 0.05;       ///< how long it must stay so [s]
-    bool vertices_only = false;    ///< leave out terrain tips and crests (only to compare with codes that lack them)
+    double activation_gap =
+        1e-4;  ///< a contact closes at this gap; larger merges contacts that should act one after the other [m]
+    double release_gap = 1e-3;  ///< a closed contact opens beyond this gap; smaller lets sliding blocks chatter [m]
+    double impact_speed = 0.1;  ///< approach faster than this is an impact that takes no time (event mode) [m/s]
+    double restitution_threshold =
+        0.1;  ///< slower normal approach does not bounce (event mode); smaller makes endless small bounces [m/s]
+    double flight_step = 1e-2;   ///< longest step of the rotation in flight; the path itself is exact [s]
+    double rest_head = 1e-6;     ///< kinetic energy per weight below which a block in static equilibrium may stop [m]
+    double rest_time = 0.05;     ///< how long it must stay so [s]
+    bool vertices_only = false;  ///< leave out terrain tips and crests (only to compare with codes that lack them)
     ContactSolverSettings solver;
 
     bool operator==(const DynamicsSettings&) const = default;
@@ -72,17 +75,19 @@ public:
 /// What happened on the way, for the account that every result carries.
 struct TrajectoryCounters {
     std::int64_t contact_steps = 0;
-    std::int64_t shortened_steps = 0;      ///< contact steps cut short at a closing contact
+    std::int64_t shortened_steps = 0;  ///< contact steps cut short at a closing contact
     std::int64_t impacts = 0;
     std::int64_t flight_evaluations = 0;
-    std::int64_t contact_problems = 0;     ///< solved by the contact solver
-    std::int64_t unconverged_problems = 0; ///< of them above the solver's tolerance
-    std::int64_t restitution_capped = 0;   ///< impacts whose restitution was lowered because it would have created energy (Kane's paradox)
+    std::int64_t contact_problems = 0;      ///< solved by the contact solver
+    std::int64_t unconverged_problems = 0;  ///< of them above the solver's tolerance
+    std::int64_t restitution_capped =
+        0;  ///< impacts whose restitution was lowered because it would have created energy (Kane's paradox)
     std::int64_t rested_turning = 0;       ///< 1 if the block came to rest in place while it still turned, like a top
     std::int64_t energy_capped = 0;        ///< steps whose rise of energy was taken back
     double largest_rise_taken_back = 0.0;  ///< the largest of these rises, as height of fall [m]
-    double largest_energy_rise = 0.0;      ///< largest rise of energy that a step or impact was left with, as height of fall [m]
-    double largest_penetration = 0.0;      ///< [m]
+    double largest_energy_rise =
+        0.0;  ///< largest rise of energy that a step or impact was left with, as height of fall [m]
+    double largest_penetration = 0.0;  ///< [m]
     /// Steps in contact by deepest penetration: bin k counts depths in [10^(k/4 - 6), 10^((k+1)/4 - 6)) m, bin 0 all below 10^-5.75.
     std::array<std::int64_t, 28> penetration{};
 
@@ -95,17 +100,18 @@ struct TrajectoryCounters {
 template <int Dim>
 struct TrajectoryEnd {
     StopReason reason = StopReason::Failed;
-    double time = 0.0;            ///< since release [s]
-    BlockState<Dim> state;        ///< at the end
-    double energy_start = kNaN;   ///< kinetic plus potential, height 0 of the local frame [J]
-    double energy_end = kNaN;     ///< [J]
+    double time = 0.0;           ///< since release [s]
+    BlockState<Dim> state;       ///< at the end
+    double energy_start = kNaN;  ///< kinetic plus potential, height 0 of the local frame [J]
+    double energy_end = kNaN;    ///< [J]
     TrajectoryCounters counters;
 };
 
 /// Throws one block and follows it until it rests, leaves the terrain, runs out of time or the computation fails.
 /// Deterministic: the same input gives the same numbers. `soils` is indexed by the surface's SoilId.
-TrajectoryEnd<3> simulate_block(const ConvexBlock& block, const BlockState<3>& release, const Surface& surface, std::span<const Soil> soils,
-                                const DynamicsSettings& settings, MotionSink<3>* sink = nullptr);
+TrajectoryEnd<3> simulate_block(const ConvexBlock& block, const BlockState<3>& release, const Surface& surface,
+                                std::span<const Soil> soils, const DynamicsSettings& settings,
+                                MotionSink<3>* sink = nullptr);
 
 /// Smallest upward shift [m] after which no part of the block is closer to the terrain than `gap` [m]; 0 if it is free already.
 double clearing_lift(const ConvexBlock& block, const BlockState<3>& state, const Surface& surface, double gap);

@@ -42,57 +42,57 @@ struct DepositZone {
 /// A kept trajectory: centre of mass with time.
 struct KeptTrajectory {
     std::int64_t block = 0;
-    std::vector<Vec3> points;     ///< [m]
-    std::vector<double> times;    ///< since release [s]
-    std::vector<double> speeds;   ///< [m/s]
+    std::vector<Vec3> points;    ///< [m]
+    std::vector<double> times;   ///< since release [s]
+    std::vector<double> speeds;  ///< [m/s]
 };
 
 /// How one block fared.
 struct BlockResult {
-    bool done = false;             ///< false if the campaign was stopped before its turn
+    bool done = false;  ///< false if the campaign was stopped before its turn
     StopReason reason = StopReason::Failed;
-    std::int64_t row = -1;         ///< row of the block list, -1 if none [-]
-    std::int64_t feature = 0;      ///< release feature [-]
-    double mass = 0.0;             ///< [kg]
-    Vec3 size = Vec3::Zero();      ///< L1, L2, L3 [m]
-    Vec3 release = Vec3::Zero();   ///< centre of mass at the start [m]
-    double raised = 0.0;           ///< how far the block was lifted to start free of the ground [m]
-    Vec3 stop = Vec3::Zero();      ///< centre of mass at the end [m]
-    double time = 0.0;             ///< [s]
-    double path_length = 0.0;      ///< length of the path in space [m]
-    double largest_speed = 0.0;    ///< [m/s]
-    double largest_energy = 0.0;   ///< kinetic [J]
+    std::int64_t row = -1;        ///< row of the block list, -1 if none [-]
+    std::int64_t feature = 0;     ///< release feature [-]
+    double mass = 0.0;            ///< [kg]
+    Vec3 size = Vec3::Zero();     ///< L1, L2, L3 [m]
+    Vec3 release = Vec3::Zero();  ///< centre of mass at the start [m]
+    double raised = 0.0;          ///< how far the block was lifted to start free of the ground [m]
+    Vec3 stop = Vec3::Zero();     ///< centre of mass at the end [m]
+    double time = 0.0;            ///< [s]
+    double path_length = 0.0;     ///< length of the path in space [m]
+    double largest_speed = 0.0;   ///< [m/s]
+    double largest_energy = 0.0;  ///< kinetic [J]
 };
 
 /// Everything that a campaign needs. The surface outlives the campaign.
 struct CampaignInput {
     const Surface* surface = nullptr;
-    std::vector<Soil> soils;         ///< indexed by SoilId
+    std::vector<Soil> soils;  ///< indexed by SoilId
     DynamicsSettings dynamics;
     BlockPopulation population;
     ReleaseSettings release;
     const ReleaseArea* area = nullptr;
     std::uint64_t seed = 1;
-    GridShape result_cells;          ///< where passages are counted
+    GridShape result_cells;  ///< where passages are counted
     std::vector<Screen> screens;
     std::vector<DepositZone> deposit_zones;
     std::int64_t kept_trajectories = 0;  ///< how many of the first blocks to keep as lines [-]
-    int threads = 0;                 ///< 0: all cores [-]
+    int threads = 0;                     ///< 0: all cores [-]
 };
 
 struct DepositCount {
     std::string name;
-    std::int64_t count = 0;          ///< blocks at rest in the zone [-]
+    std::int64_t count = 0;  ///< blocks at rest in the zone [-]
 };
 
 struct CampaignResult {
-    std::vector<BlockResult> blocks;             ///< one per block number
-    std::vector<ScreenCrossing> crossings;       ///< by block, then screen
-    std::vector<KeptTrajectory> trajectories;    ///< by block
+    std::vector<BlockResult> blocks;           ///< one per block number
+    std::vector<ScreenCrossing> crossings;     ///< by block, then screen
+    std::vector<KeptTrajectory> trajectories;  ///< by block
     CellMap cells;
-    std::vector<DepositCount> deposits;          ///< one per deposit zone
-    std::array<std::int64_t, 4> reasons{};       ///< blocks by StopReason
-    std::int64_t released = 0;                   ///< blocks thrown: the sum of the reasons, always
+    std::vector<DepositCount> deposits;     ///< one per deposit zone
+    std::array<std::int64_t, 4> reasons{};  ///< blocks by StopReason
+    std::int64_t released = 0;              ///< blocks thrown: the sum of the reasons, always
     TrajectoryCounters counters;
     bool interrupted = false;
 };
@@ -102,6 +102,7 @@ using CampaignProgress = std::function<void(std::int64_t done)>;
 
 /// Throws all blocks on all cores. The result depends on the input only: not on the number of threads nor on their timing. When `stop` becomes true the
 /// blocks in flight are finished, the rest stays undone.
-CampaignResult run_campaign(const CampaignInput& input, const CampaignProgress& progress, const std::atomic<bool>& stop);
+CampaignResult run_campaign(const CampaignInput& input, const CampaignProgress& progress,
+                            const std::atomic<bool>& stop);
 
 }  // namespace scree

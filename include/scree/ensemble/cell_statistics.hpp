@@ -36,8 +36,8 @@ private:
 
 /// One quantity in one cell. Sums are kept in integers so that the mean does not depend on the order of the blocks either.
 struct QuantityStatistics {
-    std::int64_t sum = 0;   ///< in units of 1e-4 of the quantity's unit [1e-4]
-    double largest = 0.0;   ///< [unit of the quantity]
+    std::int64_t sum = 0;  ///< in units of 1e-4 of the quantity's unit [1e-4]
+    double largest = 0.0;  ///< [unit of the quantity]
     LogHistogram histogram;
 
     void add(double value);

@@ -13,24 +13,26 @@ namespace scree {
 /// One measured block: a row of the block list.
 struct BlockRow {
     std::string id;
-    double mass = 0.0;          ///< [kg]
-    Vec3 size = Vec3::Zero();   ///< L1 >= L2 >= L3, edges of the smallest box around it [m]
+    double mass = 0.0;         ///< [kg]
+    Vec3 size = Vec3::Zero();  ///< L1 >= L2 >= L3, edges of the smallest box around it [m]
 };
 
 /// How volumes are spread when there is no block list.
 enum class VolumeLaw { Constant, Uniform, LogUniform, LogNormal, PowerLaw };
-inline constexpr std::array<const char*, 5> kVolumeLawNames{"constant", "uniform", "log_uniform", "log_normal", "power_law"};
+inline constexpr std::array<const char*, 5> kVolumeLawNames{"constant", "uniform", "log_uniform", "log_normal",
+                                                            "power_law"};
 
 /// Blocks drawn from distributions. The volume is that of the block itself, not of its box.
 struct BlockDistribution {
     VolumeLaw law = VolumeLaw::Constant;
-    double volume = 1.0;           ///< constant: the volume; log_normal: the median [m^3]
-    double volume_min = 0.1;       ///< uniform, log_uniform, power_law: smallest; log_normal: smaller ones are drawn again [m^3]
-    double volume_max = 10.0;      ///< likewise largest [m^3]
-    double sigma = 0.5;            ///< log_normal: standard deviation of ln(volume) [-]
-    double exponent = 1.0;         ///< power_law: N(volume > v) ~ v^-exponent, cut at both ends [-]
-    double density = 2600.0;       ///< of the rock [kg/m^3]
-    double density_spread = 0.0;   ///< half width of a uniform spread around it [kg/m^3]
+    double volume = 1.0;  ///< constant: the volume; log_normal: the median [m^3]
+    double volume_min =
+        0.1;  ///< uniform, log_uniform, power_law: smallest; log_normal: smaller ones are drawn again [m^3]
+    double volume_max = 10.0;                  ///< likewise largest [m^3]
+    double sigma = 0.5;                        ///< log_normal: standard deviation of ln(volume) [-]
+    double exponent = 1.0;                     ///< power_law: N(volume > v) ~ v^-exponent, cut at both ends [-]
+    double density = 2600.0;                   ///< of the rock [kg/m^3]
+    double density_spread = 0.0;               ///< half width of a uniform spread around it [kg/m^3]
     std::array<double, 2> ratio_21{0.8, 0.8};  ///< L2 / L1, uniform between the two [-]
     std::array<double, 2> ratio_32{0.8, 0.8};  ///< L3 / L2, uniform between the two [-]
 };

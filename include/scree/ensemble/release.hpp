@@ -22,13 +22,13 @@ enum class ReleasePattern {
 inline constexpr std::array<const char*, 2> kReleasePatternNames{"random", "cells"};
 
 struct ReleaseSettings {
-    std::int64_t count = 1000;      ///< blocks to throw [-]
-    double height = 1.0;            ///< of the centre of mass above the surface, vertically [m]
-    double height_spread = 0.0;     ///< half width of a uniform spread of the height [m]
-    double speed = 0.0;             ///< initial speed [m/s]
-    double azimuth = 0.0;           ///< its direction in plan view, clockwise from north [rad]
-    double elevation = 0.0;         ///< its angle above the horizontal [rad]
-    double spin = 0.0;              ///< initial spin about a random axis [rad/s]
+    std::int64_t count = 1000;   ///< blocks to throw [-]
+    double height = 1.0;         ///< of the centre of mass above the surface, vertically [m]
+    double height_spread = 0.0;  ///< half width of a uniform spread of the height [m]
+    double speed = 0.0;          ///< initial speed [m/s]
+    double azimuth = 0.0;        ///< its direction in plan view, clockwise from north [rad]
+    double elevation = 0.0;      ///< its angle above the horizontal [rad]
+    double spin = 0.0;           ///< initial spin about a random axis [rad/s]
     ReleasePattern pattern = ReleasePattern::Random;
 };
 
@@ -65,7 +65,8 @@ private:
 
 /// Start of a block: position, random orientation (uniform over all rotations), velocity and spin. A block that would touch the ground is raised until
 /// it is free; `raised` tells by how much [m].
-BlockState<3> draw_release(const ReleaseSettings& settings, const ReleaseArea& area, const Surface& surface, const ConvexBlock& block,
-                           std::uint64_t seed, std::uint64_t number, std::int64_t& feature, double& raised);
+BlockState<3> draw_release(const ReleaseSettings& settings, const ReleaseArea& area, const Surface& surface,
+                           const ConvexBlock& block, std::uint64_t seed, std::uint64_t number, std::int64_t& feature,
+                           double& raised);
 
 }  // namespace scree

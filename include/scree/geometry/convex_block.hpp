@@ -13,9 +13,9 @@ namespace scree {
 
 /// Volume properties of a homogeneous body of density 1.
 struct MassProperties {
-    double volume = 0.0;           ///< [m^3]
-    Vec3 centre = Vec3::Zero();    ///< centre of mass [m]
-    Mat3 inertia = Mat3::Zero();   ///< tensor about the centre of mass, axes of the input [m^5]
+    double volume = 0.0;          ///< [m^3]
+    Vec3 centre = Vec3::Zero();   ///< centre of mass [m]
+    Mat3 inertia = Mat3::Zero();  ///< tensor about the centre of mass, axes of the input [m^5]
 };
 
 /// A closed triangulated convex surface, triangles counter-clockwise from outside.
@@ -36,17 +36,17 @@ MassProperties mass_properties(const ConvexHull& hull);
 struct ConvexBlock {
     static constexpr Eigen::Index kLanes = 8;
 
-    Eigen::ArrayXd x, y, z;               ///< vertices, body frame [m]
-    Eigen::ArrayXd nx, ny, nz;            ///< outward unit normals of the faces, body frame [-]
-    Eigen::ArrayXd offset;                ///< normal.p of each face [m]
-    Eigen::Index vertices = 0;            ///< number of vertices, without the filling [-]
+    Eigen::ArrayXd x, y, z;                           ///< vertices, body frame [m]
+    Eigen::ArrayXd nx, ny, nz;                        ///< outward unit normals of the faces, body frame [-]
+    Eigen::ArrayXd offset;                            ///< normal.p of each face [m]
+    Eigen::Index vertices = 0;                        ///< number of vertices, without the filling [-]
     std::vector<std::array<std::int32_t, 3>> facets;  ///< vertices of each face, counter-clockwise from outside [-]
-    double mass = 0.0;                    ///< [kg]
-    double volume = 0.0;                  ///< of the hull [m^3]
-    Vec3 inertia = Vec3::Zero();          ///< principal moments about the centre of mass [kg m^2]
-    Vec3 size = Vec3::Zero();             ///< edges of the box that the block was made to fit: L1 >= L2 >= L3 [m]
-    double radius = 0.0;                  ///< largest distance of a vertex from the centre of mass [m]
-    double inner_radius = 0.0;            ///< smallest distance of a face from the centre of mass [m]
+    double mass = 0.0;                                ///< [kg]
+    double volume = 0.0;                              ///< of the hull [m^3]
+    Vec3 inertia = Vec3::Zero();                      ///< principal moments about the centre of mass [kg m^2]
+    Vec3 size = Vec3::Zero();   ///< edges of the box that the block was made to fit: L1 >= L2 >= L3 [m]
+    double radius = 0.0;        ///< largest distance of a vertex from the centre of mass [m]
+    double inner_radius = 0.0;  ///< smallest distance of a face from the centre of mass [m]
 
     Eigen::Index vertex_count() const { return vertices; }
     Eigen::Index face_count() const { return static_cast<Eigen::Index>(facets.size()); }
@@ -58,12 +58,13 @@ struct ConvexBlock {
 enum class BlockShape { Hull, Sharp, Round, Box, Eota, Ellipsoid, File };
 
 /// Names as in the site file, in the order of the enumeration.
-inline constexpr std::array<const char*, 7> kBlockShapeNames{"hull", "sharp", "round", "box", "eota", "ellipsoid", "file"};
+inline constexpr std::array<const char*, 7> kBlockShapeNames{"hull", "sharp",     "round", "box",
+                                                             "eota", "ellipsoid", "file"};
 
 struct ShapeSettings {
     BlockShape shape = BlockShape::Hull;
-    int points = 50;               ///< mean number of vertices of `hull`; more makes rounder blocks that run farther [-]
-    std::vector<Vec3> file_points; ///< points of the shape `file`, any frame and scale; stretched to the box [m]
+    int points = 50;  ///< mean number of vertices of `hull`; more makes rounder blocks that run farther [-]
+    std::vector<Vec3> file_points;  ///< points of the shape `file`, any frame and scale; stretched to the box [m]
 };
 
 /// Vertices of `sharp` and `round` blocks [-] (B&A section 3.2, there for polygons).

@@ -20,11 +20,11 @@ struct Polygon {
 };
 
 struct Polyline {
-    std::vector<Vec3> points;    ///< local frame [m]; z is NaN where the source has none
-    std::vector<double> measure; ///< M of each point, empty where there is none; time along trajectories [s]
+    std::vector<Vec3> points;     ///< local frame [m]; z is NaN where the source has none
+    std::vector<double> measure;  ///< M of each point, empty where there is none; time along trajectories [s]
 };
 
-using Points = std::vector<Vec3>;             ///< local frame [m]; z is NaN where the source has none
+using Points = std::vector<Vec3>;  ///< local frame [m]; z is NaN where the source has none
 using Polylines = std::vector<Polyline>;
 using MultiPolygon = std::vector<Polygon>;
 using Geometry = std::variant<std::monostate, Points, Polylines, MultiPolygon>;
@@ -35,7 +35,7 @@ using FieldValue = std::variant<std::monostate, std::int64_t, double, std::strin
 enum class FieldType { Integer, Real, Text };
 
 struct Field {
-    std::string name;   ///< snake_case with a unit suffix (energy_kj, height_m)
+    std::string name;  ///< snake_case with a unit suffix (energy_kj, height_m)
     FieldType type = FieldType::Real;
     std::string alias;  ///< what people read, with the unit: "Kinetic energy [kJ]"
 };

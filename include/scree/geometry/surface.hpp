@@ -42,24 +42,24 @@ struct PatchEdge {
 
 /// A terrain node that stands out in at least one direction (a tip), which can poke into a block's face.
 struct PatchNode {
-    Vec3 position;                  ///< [m]
-    std::int32_t first = 0;         ///< its spokes are patch.spokes[first, first + count)
+    Vec3 position;           ///< [m]
+    std::int32_t first = 0;  ///< its spokes are patch.spokes[first, first + count)
     std::int32_t count = 0;
     std::int64_t id = 0;
 };
 
 /// From a node along one incident edge, with a facet at that edge.
 struct PatchSpoke {
-    Vec3 direction;  ///< unit vector to the neighbouring node [-]
-    Vec3 normal;     ///< normal of the facet counter-clockwise of the edge [-]
-    SoilId soil = 0; ///< soil of that facet
+    Vec3 direction;   ///< unit vector to the neighbouring node [-]
+    Vec3 normal;      ///< normal of the facet counter-clockwise of the edge [-]
+    SoilId soil = 0;  ///< soil of that facet
 };
 
 /// A plane above the terrain over some area: normal.x <= offset for every point x of it.
 struct SupportingPlane {
-    Vec3 normal = Vec3::UnitZ();   ///< unit, upwards [-]
-    double offset = -kInfinity;    ///< [m]; no terrain at all: minus infinity
-    bool whole = false;            ///< true: there is terrain everywhere over the area, no hole and no rim
+    Vec3 normal = Vec3::UnitZ();  ///< unit, upwards [-]
+    double offset = -kInfinity;   ///< [m]; no terrain at all: minus infinity
+    bool whole = false;           ///< true: there is terrain everywhere over the area, no hole and no rim
 
     double height(const Vec3& p) const { return normal.dot(p) - offset; }
 };
@@ -67,26 +67,29 @@ struct SupportingPlane {
 /// The terrain near a block, copied out once and used for many steps while the block stays over `box`.
 /// Facets are found through square bins, like the cells of the grid that they mostly come from.
 struct TerrainPatch {
-    Box2 box;                      ///< what the patch covers in plan view [m]
-    SupportingPlane plane;         ///< of the whole patch
+    Box2 box;               ///< what the patch covers in plan view [m]
+    SupportingPlane plane;  ///< of the whole patch
     std::vector<PatchFacet> facets;
     std::vector<PatchEdge> edges;  ///< convex edges only
     std::vector<PatchNode> nodes;  ///< protruding nodes only
     std::vector<PatchSpoke> spokes;
 
-    Vec2 bin_origin;               ///< south-west corner of bin (0, 0) [m]
-    double bin_size = 1.0;         ///< [m]
+    Vec2 bin_origin;        ///< south-west corner of bin (0, 0) [m]
+    double bin_size = 1.0;  ///< [m]
     int bin_columns = 0;
     int bin_rows = 0;
-    std::vector<std::int32_t> bin_start;   ///< facets of bin b are bin_facets[bin_start[b], bin_start[b + 1])
+    std::vector<std::int32_t> bin_start;  ///< facets of bin b are bin_facets[bin_start[b], bin_start[b + 1])
     std::vector<std::int32_t> bin_facets;
 
     void clear();
     /// Facets whose bin holds the point; empty outside the patch.
     std::span<const std::int32_t> facets_near(const Vec2& p) const;
     std::span<const std::int32_t> facets_in_bin(int column, int row) const {
-        const auto bin = static_cast<std::size_t>(row) * static_cast<std::size_t>(bin_columns) + static_cast<std::size_t>(column);
-        return std::span(bin_facets).subspan(static_cast<std::size_t>(bin_start[bin]), static_cast<std::size_t>(bin_start[bin + 1] - bin_start[bin]));
+        const auto bin =
+            static_cast<std::size_t>(row) * static_cast<std::size_t>(bin_columns) + static_cast<std::size_t>(column);
+        return std::span(bin_facets)
+            .subspan(static_cast<std::size_t>(bin_start[bin]),
+                     static_cast<std::size_t>(bin_start[bin + 1] - bin_start[bin]));
     }
     /// The facet under or over p, null over a hole or outside.
     const PatchFacet* facet_at(const Vec2& p) const;
@@ -128,7 +131,9 @@ std::unique_ptr<Surface> make_mesh_surface(TriangleMesh mesh);
 
 /// Number of facets of a grid surface over these cells.
 inline std::size_t grid_facet_count(const GridShape& shape) {
-    return shape.columns < 2 || shape.rows < 2 ? 0 : 2 * static_cast<std::size_t>(shape.columns - 1) * static_cast<std::size_t>(shape.rows - 1);
+    return shape.columns < 2 || shape.rows < 2
+               ? 0
+               : 2 * static_cast<std::size_t>(shape.columns - 1) * static_cast<std::size_t>(shape.rows - 1);
 }
 
 }  // namespace scree

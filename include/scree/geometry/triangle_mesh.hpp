@@ -11,9 +11,9 @@ namespace scree {
 
 /// A terrain of triangles, single-valued in height: every point in plan view lies in one facet, or in none (a hole).
 struct TriangleMesh {
-    std::vector<Vec3> vertices;                        ///< local frame [m]
-    std::vector<std::array<std::int32_t, 3>> facets;   ///< vertex indices, counter-clockwise seen from above [-]
-    std::vector<SoilId> soil;                          ///< soil of each facet [-]
+    std::vector<Vec3> vertices;                       ///< local frame [m]
+    std::vector<std::array<std::int32_t, 3>> facets;  ///< vertex indices, counter-clockwise seen from above [-]
+    std::vector<SoilId> soil;                         ///< soil of each facet [-]
 };
 
 }  // namespace scree

@@ -3,6 +3,7 @@
 
 #include <Eigen/Core>
 #include <Eigen/Geometry>
+
 #include <cstdint>
 #include <limits>
 
@@ -28,9 +29,12 @@ struct Box2 {
     Vec2 max{-kInfinity, -kInfinity};  ///< upper right corner [m]
 
     bool empty() const { return !(min.x() <= max.x() && min.y() <= max.y()); }
-    bool contains(const Vec2& p) const { return p.x() >= min.x() && p.x() <= max.x() && p.y() >= min.y() && p.y() <= max.y(); }
+    bool contains(const Vec2& p) const {
+        return p.x() >= min.x() && p.x() <= max.x() && p.y() >= min.y() && p.y() <= max.y();
+    }
     bool overlaps(const Box2& other) const {
-        return min.x() <= other.max.x() && other.min.x() <= max.x() && min.y() <= other.max.y() && other.min.y() <= max.y();
+        return min.x() <= other.max.x() && other.min.x() <= max.x() && min.y() <= other.max.y() &&
+               other.min.y() <= max.y();
     }
     void add(const Vec2& p) {
         min = min.cwiseMin(p);
