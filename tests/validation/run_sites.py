@@ -91,7 +91,8 @@ class Site:
                 nearest = min(math.hypot(a, b, z - h) for a, b in around if math.isfinite(h := surface.at(x + a, y + b)))
                 self.check(nearest < s["l1_m"], f"block {s['block']} rests {nearest:.2f} m from the ground")
             elif s["stop_reason"] == "left_terrain":
-                d = 1.01 * surface.cell  # scree and GDAL may judge a cell that the DTM covers in part differently
+                # a block ends when a vertex hangs beyond the rim; scree and GDAL may judge a cell that the DTM covers in part differently
+                d = max(1.01 * surface.cell, s["l1_m"])
                 near = [surface.at(x + a, y + b) for a in (-d, 0, d) for b in (-d, 0, d)]
                 self.check(not np.isfinite(near).all(), f"block {s['block']} left the terrain where there is terrain: {x:.2f} {y:.2f}")
             most = s["mass_kg"] * GRAVITY * (starts[s["block"]][2] - lowest) / 1000.0
