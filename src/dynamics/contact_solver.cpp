@@ -14,6 +14,7 @@
 #include <cmath>
 #include <limits>
 #include <type_traits>
+#include <utility>
 #include <vector>
 
 namespace scree {
@@ -30,16 +31,17 @@ void ContactProblem<Dim>::resize(int contacts) {
 namespace {
 
 constexpr double kTiny = 1e-300;
-/// Share of the diagonal added to W inside Newton: W has at most rank 6, more than one contact makes it singular. It changes the path
-/// of the iteration, not the equation that is solved.
-constexpr double kNewtonRegularisation = 1e-9;
+/// Added to the diagonal inside Newton, as a share of the relative residual and within these limits (W is of order one): W has at most rank 6, more
+/// than one contact makes it singular. Far from the solution it keeps steps short where contacts bear against each other, near it Newton stays
+/// quadratic. It changes the path of the iteration, not the equation that is solved.
+constexpr double kRegularisationShare = 0.1, kLeastRegularisation = 1e-8, kMostRegularisation = 1e-3;
 
 /// Sizes and storage for C contacts; C = 0 where the compiler does not know how many.
 template <int Dim, int C>
 struct Sizes {
     static constexpr std::size_t T = Dim - 1, L = kLocalSize<Dim>, N = C * L;
     using Vector = std::conditional_t<(C > 0), std::array<double, N>, std::vector<double>>;
-    using Matrix = std::conditional_t<(C > 0), std::array<double, N * N>, std::vector<double>>;  ///< row by row
+    using Matrix = std::conditional_t<(C > 0), std::array<double, N * N>, std::vector<double>>;
     using PerContact = std::conditional_t<(C > 0), std::array<double, C>, std::vector<double>>;
     using Local = std::array<double, L>;
 
@@ -80,13 +82,13 @@ struct Scaled : Sizes<Dim, C> {
     using Size::count, Size::size, Size::L, Size::T;
     using typename Size::PerContact, typename Size::Vector, typename Size::Matrix;
 
-    Matrix W = Size::matrix();
+    Matrix W = Size::matrix();                                    ///< column by column
     Vector q = Size::vector(), scale = Size::vector();            ///< scale: S
     PerContact mu = Size::template zeros<PerContact>(count());    ///< unchanged
     PerContact mu_r = Size::template zeros<PerContact>(count());  ///< scaled
     double norm_q = 0.0;
 
-    /// From numbers that lie `stride` apart from row to row.
+    /// From a matrix whose columns begin `stride` numbers apart.
     Scaled(std::size_t contacts, const double* delassus, std::size_t stride, const double* free_velocity,
            const double* friction, const double* rolling)
         : Size(contacts) {
@@ -99,9 +101,9 @@ struct Scaled : Sizes<Dim, C> {
             mu[c] = friction[c];
             mu_r[c] = rolling[c] * s / s_r;  // |m| <= mu_r r  <=>  s_r |m~| <= mu_r s r~
         }
-        for (std::size_t i = 0; i < size(); ++i) {
-            q[i] = scale[i] * free_velocity[i];
-            for (std::size_t j = 0; j < size(); ++j) W[i * size() + j] = scale[i] * delassus[i * stride + j] * scale[j];
+        for (std::size_t j = 0; j < size(); ++j) {
+            q[j] = scale[j] * free_velocity[j];
+            for (std::size_t i = 0; i < size(); ++i) W[j * size() + i] = scale[i] * delassus[j * stride + i] * scale[j];
         }
         norm_q = norm(q);
     }
@@ -109,7 +111,8 @@ struct Scaled : Sizes<Dim, C> {
         : Scaled(p.friction.size(), p.delassus.data(), p.friction.size() * L, p.free_velocity.data(), p.friction.data(),
                  p.rolling.data()) {}
 
-    /// u = W p + q. By columns, which are rows too: sums of independent entries, for the vectoriser.
+    double entry(std::size_t i, std::size_t j) const { return W[j * size() + i]; }
+    /// u = W p + q. By columns: sums of independent entries, for the vectoriser.
     Vector velocity(const Vector& p) const {
         Vector u = q;
         for (std::size_t j = 0; j < size(); ++j)
@@ -126,7 +129,7 @@ struct Scaled : Sizes<Dim, C> {
     }
 };
 
-/// Residual F of the nonsmooth equations and, if wanted, its generalised Jacobian. Per contact with sigma = r_N - u_N:
+/// Residual F of the nonsmooth equations and, if wanted, its generalised Jacobian row by row. Per contact with sigma = r_N - u_N:
 ///   F_N = u_N if sigma > 0 else r_N;   F_T = r_T - proj_{|y| <= mu max(sigma, 0)} (y), y = r_T - u_T;   F_R alike with mu_r.
 template <int Dim, int C>
 [[gnu::noinline]] double residual(const Scaled<Dim, C>& s, const typename Scaled<Dim, C>::Vector& p,
@@ -135,13 +138,15 @@ template <int Dim, int C>
     const std::size_t size = s.size();
     const typename Scaled<Dim, C>::Vector u = s.velocity(p);
     auto row_of_J = [&](std::size_t i) { return jacobian->data() + i * size; };
-    auto row_of_W = [&](std::size_t i) { return s.W.data() + i * size; };
+    auto copy_row_of_W = [&](std::size_t i) {
+        for (std::size_t j = 0; j < size; ++j) row_of_J(i)[j] = s.entry(i, j);
+    };
     for (std::size_t c = 0; c < s.count(); ++c) {
         const std::size_t n = c * L;
         const double sigma = p[n] - u[n];
         F[n] = sigma > 0.0 ? u[n] : p[n];
         if (jacobian && sigma > 0.0) {
-            std::copy_n(row_of_W(n), size, row_of_J(n));
+            copy_row_of_W(n);
         } else if (jacobian) {
             std::fill_n(row_of_J(n), size, 0.0);
             row_of_J(n)[n] = 1.0;
@@ -154,7 +159,7 @@ template <int Dim, int C>
             const double pull = length<T>(y);
             if (pull <= threshold) {  // sticks (or does not roll)
                 for (std::size_t k = 0; k < T; ++k) F[at + k] = u[at + k];
-                if (jacobian) std::copy_n(row_of_W(at), T * size, row_of_J(at));
+                for (std::size_t k = 0; jacobian && k < T; ++k) copy_row_of_W(at + k);
                 continue;
             }
             double direction[T];
@@ -165,12 +170,12 @@ template <int Dim, int C>
             for (std::size_t k = 0; k < T; ++k) {
                 double* row = row_of_J(at + k);
                 const double push = sigma > 0.0 ? limit * direction[k] : 0.0;
-                for (std::size_t j = 0; j < size; ++j) row[j] = push * row_of_W(n)[j];
+                for (std::size_t j = 0; j < size; ++j) row[j] = push * s.entry(n, j);
                 row[n] -= push;
                 row[at + k] += 1.0;
                 for (std::size_t m = 0; m < T; ++m) {
                     const double turn = threshold / pull * ((k == m ? 1.0 : 0.0) - direction[k] * direction[m]);
-                    for (std::size_t j = 0; j < size; ++j) row[j] += turn * row_of_W(at + m)[j];
+                    for (std::size_t j = 0; j < size; ++j) row[j] += turn * s.entry(at + m, j);
                     row[at + m] -= turn;
                 }
             }
@@ -179,7 +184,7 @@ template <int Dim, int C>
     return norm(F);
 }
 
-/// b becomes x with A x = b, by elimination with row pivoting; A is used up.
+/// b becomes x with A x = b, A row by row, by elimination with row pivoting; A is used up.
 template <class Matrix, class Vector>
 void solve_linear(std::size_t size, Matrix& A, Vector& b) {
     for (std::size_t k = 0; k < size; ++k) {
@@ -210,31 +215,35 @@ template <int Dim, int C>
                                 typename Scaled<Dim, C>::Vector& p, int& used) {
     using Vector = typename Scaled<Dim, C>::Vector;
     const std::size_t size = s.size();
-    Vector F = s.vector(), trial_F = s.vector();
-    typename Scaled<Dim, C>::Matrix J = s.matrix();
-    double now = residual<Dim, C>(s, p, F, &J);
+    const double goal = tolerance * s.norm_q;
+    Vector F = s.vector();
+    double now = residual<Dim, C>(s, p, F, nullptr);
     Vector best = p;
     double best_norm = now;
     int stalled = 0;
-    for (int k = 0; k < iterations && now > tolerance * s.norm_q; ++k, ++used) {
-        for (std::size_t i = 0; i < size; ++i) J[i * (size + 1)] += kNewtonRegularisation;
+    for (int k = 0; k < iterations && now > goal; ++k, ++used) {
+        typename Scaled<Dim, C>::Matrix J = s.matrix();
+        residual<Dim, C>(s, p, F, &J);
+        const double regularisation =
+            std::clamp(kRegularisationShare * now / s.norm_q, kLeastRegularisation, kMostRegularisation);
+        for (std::size_t i = 0; i < size; ++i) J[i * (size + 1)] += regularisation;
         Vector step = F;
         solve_linear(size, J, step);
         if (!std::isfinite(norm(step))) break;
-        Vector trial = p;
-        double share = 1.0, trial_norm = 0.0;
-        for (int cut = 0; cut < 8; ++cut, share *= 0.5) {
-            for (std::size_t i = 0; i < size; ++i) trial[i] = p[i] - share * step[i];
-            trial_norm = residual<Dim, C>(s, trial, trial_F, nullptr);
-            if (trial_norm < (1.0 - 1e-4 * share) * now) break;
-        }
+        const Vector start = p;
+        auto try_share = [&](double share) {
+            for (std::size_t i = 0; i < size; ++i) p[i] = start[i] - share * step[i];
+            return residual<Dim, C>(s, p, F, nullptr);
+        };
+        double trial = try_share(1.0);
+        double share = 1.0;
+        for (int cut = 1; cut < 8 && !(trial < (1.0 - 1e-4 * share) * now); ++cut) trial = try_share(share *= 0.5);
         // a full step now and then, even uphill, leaves the kinks where the line search would stop for ever
-        if (trial_norm >= now) {
+        if (trial >= now) {
             if (++stalled > 3) break;
-            for (std::size_t i = 0; i < size; ++i) trial[i] = p[i] - step[i];
+            trial = try_share(1.0);
         }
-        p = trial;
-        now = residual<Dim, C>(s, p, F, &J);
+        now = trial;
         if (now < best_norm) {
             best_norm = now;
             best = p;
@@ -276,7 +285,7 @@ template <int Dim>
     using Local = Eigen::Matrix<double, kLocalSize<Dim>, 1>;
     using Tangent = Eigen::Matrix<double, T, 1>;
     using Block = Eigen::Matrix<double, T, T>;
-    const Eigen::Matrix<double, kLocalSize<Dim>, kLocalSize<Dim>> W(s.W.data());  // symmetric: by rows or by columns
+    const Eigen::Matrix<double, kLocalSize<Dim>, kLocalSize<Dim>> W(s.W.data());
     const Local q(s.q.data());
     const double mu = s.mu[0], mu_r = s.mu_r[0];
     Local p = Local::Zero();
@@ -328,8 +337,11 @@ template <int Dim>
         achieved = newton<Dim, 1>(s, tolerance, 4, p, newton_used);  // mostly one iteration away
         if (achieved <= tolerance) return p;
     }
-    auto W = s.W;
-    for (std::size_t i = 0; i < L; ++i) p[i] = -s.q[i];
+    typename Scaled<Dim, 1>::Matrix W;
+    for (std::size_t i = 0; i < L; ++i) {
+        p[i] = -s.q[i];
+        for (std::size_t j = 0; j < L; ++j) W[i * L + j] = s.entry(i, j);
+    }
     solve_linear(L, W, p);
     achieved = 0.0;
     if (p[0] > 0.0 && length<T>(&p[1]) <= s.mu[0] * p[0] && length<T>(&p[1 + T]) <= s.mu_r[0] * p[0]) return p;
@@ -372,7 +384,7 @@ template <int Dim, int C>
     for (std::size_t i = 0; i < L; ++i) {
         held[i] = s.q[n + i];
         for (std::size_t j = 0; j < size; ++j)
-            if (j < n || j >= n + L) held[i] += s.W[(n + i) * size + j] * p[j];
+            if (j < n || j >= n + L) held[i] += s.entry(n + i, j) * p[j];
     }
     const Scaled<Dim, 1> local(1, &s.W[n * (size + 1)], size, held.data(), &s.mu[c], &s.mu_r[c]);
     for (std::size_t i = 0; i < L; ++i) guess[i] = p[n + i] / local.scale[i];
@@ -410,8 +422,8 @@ double relative_residual(const Scaled<Dim, 0>& s, const std::vector<double>& p) 
 /// Continuation in compliance: contacts made soft by a share of their own diagonal are nearly independent, Newton then finds the solution
 /// from anywhere; the compliance is lowered to nothing while Newton follows.
 template <int Dim>
-std::vector<double> follow_compliance(const Scaled<Dim, 0>& s, double compliance, const ContactSolverSettings& settings,
-                                      int& newton_used) {
+std::vector<double> follow_compliance(const Scaled<Dim, 0>& s, double compliance, double lowering,
+                                      const ContactSolverSettings& settings, int& newton_used) {
     Scaled<Dim, 0> soft = s;
     auto soften = [&] {
         for (std::size_t i = 0; i < s.W.size(); i += s.size() + 1) soft.W[i] = s.W[i] * (1.0 + compliance);
@@ -419,7 +431,7 @@ std::vector<double> follow_compliance(const Scaled<Dim, 0>& s, double compliance
     std::vector<double> p;
     soften();
     start_together<Dim, 0>(soft, p);
-    for (; compliance > 1e-7; compliance *= 0.4) {
+    for (; compliance > 1e-7; compliance *= lowering) {
         soften();
         newton<Dim, 0>(soft, 1e-6, settings.newton_iterations, p, newton_used);
     }
@@ -437,9 +449,11 @@ void solve_hard(const Scaled<Dim, 0>& s, const ContactSolverSettings& settings, 
         report.residual = achieved;
         best = p;
     };
-    for (const double first_compliance : {1.0, 30.0, 0.03}) {
+    const std::array<std::pair<double, double>, 4> first_and_lowering{
+        {{1.0, 0.1}, {1.0, 0.4}, {30.0, 0.4}, {0.03, 0.4}}};
+    for (const auto& [first, lowering] : first_and_lowering) {
         if (report.residual <= settings.tolerance) return;
-        p = follow_compliance<Dim>(s, first_compliance, settings, report.newton_iterations);
+        p = follow_compliance<Dim>(s, first, lowering, settings, report.newton_iterations);
         keep_if_better(relative_residual<Dim>(s, p));
     }
     // one contact carries all: the right start where two nearly coincide
@@ -468,12 +482,20 @@ ContactSolverReport solve(const ContactProblem<Dim>& problem, const ContactSolve
         const auto guess = p;
         p = solve_one<Dim>(s, settings.tolerance, guess, report.newton_iterations, report.residual);
     } else {
-        if (norm(p) == 0.0) {
-            start_together<Dim, C>(s, p);  // sorts out most of the contact states
-            ++report.sweeps;
-        }
+        const bool guessed = norm(p) > 0.0;
+        if (!guessed) start_together<Dim, C>(s, p);  // sorts out most of the contact states
         report.residual =
             newton<Dim, C>(s, settings.tolerance, settings.newton_iterations, p, report.newton_iterations);
+        if (guessed && report.residual > settings.tolerance) {  // a guess may lie on the wrong side of the kinks
+            auto afresh = p;
+            start_together<Dim, C>(s, afresh);
+            const double achieved =
+                newton<Dim, C>(s, settings.tolerance, settings.newton_iterations, afresh, report.newton_iterations);
+            if (achieved < report.residual) {
+                report.residual = achieved;
+                p = afresh;
+            }
+        }
         if (report.residual > settings.tolerance) {
             std::vector<double> best(p.begin(), p.end());
             solve_hard<Dim>(Scaled<Dim, 0>(problem), settings, best, report);

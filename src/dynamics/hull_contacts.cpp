@@ -31,7 +31,8 @@ constexpr double kFarHorizon = 0.5, kNearHorizon = 0.02;
 /// A flight time over the plane that is shorter than this makes it worth looking at the features [s].
 constexpr double kNearTime = 2e-3;
 /// How far features are looked for: what the fastest point of the block covers in this time [s], and a share of the block's thickness at most [-].
-constexpr double kLookTime = 0.02, kLookShare = 0.7;
+/// Short where the last look found something near: mostly that is what the block will touch.
+constexpr double kLongestLook = 0.02, kShortestLook = 2e-4, kLookShare = 0.7;
 /// Where terrain has holes or ends, share of the radius that is flown at most between two looks [-].
 constexpr double kRimShare = 0.25;
 /// Acceleration of a point of a freely turning body is at most |Omega|^2 r + |dOmega/dt| r, and Euler's equations with |I_i - I_j| <= I_k give
@@ -154,9 +155,10 @@ double HullContacts::time_over_plane(const Vec3& position, const Mat3& rotation,
 
 double HullContacts::time_to_features(const Vec3& position, const Mat3& rotation, const Flight& flight, double& gap) {
     const double reach =
-        std::clamp(kLookTime * flight.fastest, 0.02 * block_.inner_radius, kLookShare * block_.inner_radius);
+        std::clamp(look_time_ * flight.fastest, 1e-3 * block_.inner_radius, kLookShare * block_.inner_radius);
     detect(position, rotation, reach, near_);
-    double time = arrival(reach, -flight.fastest, flight.gravity);  // what is not listed
+    const double unlisted = arrival(reach, -flight.fastest, flight.gravity);
+    double time = unlisted;
     for (const Contact<3>& c : near_) {
         gap = std::min(gap, c.gap);
         if (c.gap <= 0.0) return 0.0;
@@ -175,6 +177,7 @@ double HullContacts::time_to_features(const Vec3& position, const Mat3& rotation
         time = std::min(time, t);
     }
     if (!patch_.plane.whole) time = std::min(time, kRimShare * block_.radius / std::max(flight.fastest, 0.1));
+    look_time_ = time < unlisted ? std::max(4.0 * time, kShortestLook) : std::min(4.0 * look_time_, kLongestLook);
     return std::min(time, kLongestFlight);
 }
 

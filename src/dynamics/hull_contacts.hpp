@@ -96,6 +96,7 @@ private:
     SupportingPlane ahead_;                ///< over the terrain that the flight crosses next
     Box2 ahead_box_;                       ///< where it holds; empty: nowhere
     double horizon_ = 0.1;                 ///< how far ahead it is laid [s]
+    double look_time_ = 0.02;              ///< how far features are looked for in flight [s]
     std::vector<Contact<3>> near_;         ///< room for free_time
     Eigen::ArrayXd height_;                ///< of each vertex over the plane last measured from [m]
     double lowest_ = 0.0;                  ///< the least of them [m]
