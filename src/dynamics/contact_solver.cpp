@@ -129,46 +129,64 @@ struct Scaled : Sizes<Dim, C> {
     }
 };
 
-/// Residual F of the nonsmooth equations and, if wanted, its generalised Jacobian row by row. Per contact with sigma = r_N - u_N:
+/// Residual F of the nonsmooth equations at p with u = W p + q. Per contact with sigma = r_N - u_N:
 ///   F_N = u_N if sigma > 0 else r_N;   F_T = r_T - proj_{|y| <= mu max(sigma, 0)} (y), y = r_T - u_T;   F_R alike with mu_r.
 template <int Dim, int C>
-[[gnu::noinline]] double residual(const Scaled<Dim, C>& s, const typename Scaled<Dim, C>::Vector& p,
-                                  typename Scaled<Dim, C>::Vector& F, typename Scaled<Dim, C>::Matrix* jacobian) {
+double residual(const Scaled<Dim, C>& s, const typename Scaled<Dim, C>::Vector& p,
+                const typename Scaled<Dim, C>::Vector& u, typename Scaled<Dim, C>::Vector& F) {
     constexpr std::size_t T = Scaled<Dim, C>::T, L = Scaled<Dim, C>::L;
-    const std::size_t size = s.size();
-    const typename Scaled<Dim, C>::Vector u = s.velocity(p);
-    auto row_of_J = [&](std::size_t i) { return jacobian->data() + i * size; };
-    auto copy_row_of_W = [&](std::size_t i) {
-        for (std::size_t j = 0; j < size; ++j) row_of_J(i)[j] = s.entry(i, j);
-    };
     for (std::size_t c = 0; c < s.count(); ++c) {
         const std::size_t n = c * L;
         const double sigma = p[n] - u[n];
         F[n] = sigma > 0.0 ? u[n] : p[n];
-        if (jacobian && sigma > 0.0) {
+        for (std::size_t at = n + 1; at < n + L; at += T) {
+            const double threshold = (at == n + 1 ? s.mu : s.mu_r)[c] * std::max(sigma, 0.0);
+            double y[T];
+            for (std::size_t k = 0; k < T; ++k) y[k] = p[at + k] - u[at + k];
+            const double pull = length<T>(y);
+            for (std::size_t k = 0; k < T; ++k)
+                F[at + k] = pull <= threshold ? u[at + k] : p[at + k] - threshold * y[k] / pull;
+        }
+    }
+    return norm(F);
+}
+template <int Dim, int C>
+double residual(const Scaled<Dim, C>& s, const typename Scaled<Dim, C>::Vector& p, typename Scaled<Dim, C>::Vector& F) {
+    return residual<Dim, C>(s, p, s.velocity(p), F);
+}
+
+/// Generalised Jacobian of F row by row.
+template <int Dim, int C>
+[[gnu::noinline]] void jacobian(const Scaled<Dim, C>& s, const typename Scaled<Dim, C>::Vector& p,
+                                const typename Scaled<Dim, C>::Vector& u, typename Scaled<Dim, C>::Matrix& J) {
+    constexpr std::size_t T = Scaled<Dim, C>::T, L = Scaled<Dim, C>::L;
+    const std::size_t size = s.size();
+    auto copy_row_of_W = [&](std::size_t i) {
+        for (std::size_t j = 0; j < size; ++j) J[i * size + j] = s.entry(i, j);
+    };
+    for (std::size_t c = 0; c < s.count(); ++c) {
+        const std::size_t n = c * L;
+        const double sigma = p[n] - u[n];
+        if (sigma > 0.0) {
             copy_row_of_W(n);
-        } else if (jacobian) {
-            std::fill_n(row_of_J(n), size, 0.0);
-            row_of_J(n)[n] = 1.0;
+        } else {
+            std::fill_n(&J[n * size], size, 0.0);
+            J[n * (size + 1)] = 1.0;
         }
         for (std::size_t at = n + 1; at < n + L; at += T) {
             const double limit = (at == n + 1 ? s.mu : s.mu_r)[c];
             const double threshold = limit * std::max(sigma, 0.0);
-            double y[T];
-            for (std::size_t k = 0; k < T; ++k) y[k] = p[at + k] - u[at + k];
-            const double pull = length<T>(y);
+            double direction[T];
+            for (std::size_t k = 0; k < T; ++k) direction[k] = p[at + k] - u[at + k];
+            const double pull = length<T>(direction);
             if (pull <= threshold) {  // sticks (or does not roll)
-                for (std::size_t k = 0; k < T; ++k) F[at + k] = u[at + k];
-                for (std::size_t k = 0; jacobian && k < T; ++k) copy_row_of_W(at + k);
+                for (std::size_t k = 0; k < T; ++k) copy_row_of_W(at + k);
                 continue;
             }
-            double direction[T];
-            for (std::size_t k = 0; k < T; ++k) direction[k] = y[k] / pull;
-            for (std::size_t k = 0; k < T; ++k) F[at + k] = p[at + k] - threshold * direction[k];
-            if (!jacobian) continue;
+            for (std::size_t k = 0; k < T; ++k) direction[k] /= pull;
             // d(threshold direction) = limit direction dsigma + threshold/pull (I - direction direction^T) dy
             for (std::size_t k = 0; k < T; ++k) {
-                double* row = row_of_J(at + k);
+                double* row = &J[(at + k) * size];
                 const double push = sigma > 0.0 ? limit * direction[k] : 0.0;
                 for (std::size_t j = 0; j < size; ++j) row[j] = push * s.entry(n, j);
                 row[n] -= push;
@@ -181,12 +199,12 @@ template <int Dim, int C>
             }
         }
     }
-    return norm(F);
 }
 
-/// b becomes x with A x = b, A row by row, by elimination with row pivoting; A is used up.
-template <class Matrix, class Vector>
-void solve_linear(std::size_t size, Matrix& A, Vector& b) {
+/// b becomes x with A x = b, A row by row, by elimination with row pivoting; A is used up. N is the size, 0 where the compiler does not know it.
+template <std::size_t N, class Matrix, class Vector>
+void solve_linear(std::size_t given_size, Matrix& A, Vector& b) {
+    const std::size_t size = N > 0 ? N : given_size;
     for (std::size_t k = 0; k < size; ++k) {
         std::size_t pivot = k;
         for (std::size_t i = k + 1; i < size; ++i)
@@ -216,24 +234,25 @@ template <int Dim, int C>
     using Vector = typename Scaled<Dim, C>::Vector;
     const std::size_t size = s.size();
     const double goal = tolerance * s.norm_q;
-    Vector F = s.vector();
-    double now = residual<Dim, C>(s, p, F, nullptr);
+    Vector F = s.vector(), u = s.velocity(p);
+    double now = residual<Dim, C>(s, p, u, F);
     Vector best = p;
     double best_norm = now;
     int stalled = 0;
     for (int k = 0; k < iterations && now > goal; ++k, ++used) {
         typename Scaled<Dim, C>::Matrix J = s.matrix();
-        residual<Dim, C>(s, p, F, &J);
+        jacobian<Dim, C>(s, p, u, J);
         const double regularisation =
             std::clamp(kRegularisationShare * now / s.norm_q, kLeastRegularisation, kMostRegularisation);
         for (std::size_t i = 0; i < size; ++i) J[i * (size + 1)] += regularisation;
         Vector step = F;
-        solve_linear(size, J, step);
+        solve_linear<Scaled<Dim, C>::N>(size, J, step);
         if (!std::isfinite(norm(step))) break;
         const Vector start = p;
         auto try_share = [&](double share) {
             for (std::size_t i = 0; i < size; ++i) p[i] = start[i] - share * step[i];
-            return residual<Dim, C>(s, p, F, nullptr);
+            u = s.velocity(p);
+            return residual<Dim, C>(s, p, u, F);
         };
         double trial = try_share(1.0);
         double share = 1.0;
@@ -342,7 +361,7 @@ template <int Dim>
         p[i] = -s.q[i];
         for (std::size_t j = 0; j < L; ++j) W[i * L + j] = s.entry(i, j);
     }
-    solve_linear(L, W, p);
+    solve_linear<L>(L, W, p);
     achieved = 0.0;
     if (p[0] > 0.0 && length<T>(&p[1]) <= s.mu[0] * p[0] && length<T>(&p[1 + T]) <= s.mu_r[0] * p[0]) return p;
     // slide against the sticking impulse: the right side of every kink in most cases
@@ -352,7 +371,7 @@ template <int Dim>
     if (achieved <= tolerance) return p;
     const Vector robust = solve_one_by_bisection<Dim>(s);
     Vector F{};
-    const double robust_residual = residual<Dim, 1>(s, robust, F, nullptr) / std::max(s.norm_q, kTiny);
+    const double robust_residual = residual<Dim, 1>(s, robust, F) / std::max(s.norm_q, kTiny);
     if (robust_residual < achieved) {
         achieved = robust_residual;
         return robust;
@@ -416,7 +435,7 @@ void start_together(const Scaled<Dim, C>& s, typename Scaled<Dim, C>::Vector& p)
 template <int Dim>
 double relative_residual(const Scaled<Dim, 0>& s, const std::vector<double>& p) {
     std::vector<double> F(p.size());
-    return residual<Dim, 0>(s, p, F, nullptr) / std::max(s.norm_q, kTiny);
+    return residual<Dim, 0>(s, p, F) / std::max(s.norm_q, kTiny);
 }
 
 /// Continuation in compliance: contacts made soft by a share of their own diagonal are nearly independent, Newton then finds the solution

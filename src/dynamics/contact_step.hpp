@@ -46,7 +46,6 @@ public:
     using Vec = typename Space<Dim>::Vec;
     using Spin = typename Space<Dim>::Spin;
     static constexpr int kLocal = kLocalSize<Dim>;
-    static constexpr int kSpin = Dim == 3 ? 3 : 1;
 
     ContactStep(const BodyInertia<Dim>& body, std::span<const Soil> soils, const ContactSolverSettings& settings)
         : body_(body), soils_(soils), settings_(settings) {}
@@ -54,45 +53,58 @@ public:
     /// Directions of the local velocities for these contacts and this rotation of the body: u = linear v + angular Omega.
     void set_contacts(std::span<const Contact<Dim>> contacts, const typename Space<Dim>::Rotation& rotation) {
         contacts_ = contacts;
-        room_ = &rooms_[std::min(contacts.size(), rooms_.size() - 1)];
-        room_->resize(static_cast<int>(contacts.size()));
-        auto& [linear, angular, turned, impulse, problem] = *room_;
-        linear.setZero();
-        angular.setZero();
-        for (std::size_t c = 0; c < contacts.size(); ++c) {
-            const auto row = static_cast<Eigen::Index>(c) * kLocal;
-            const auto frame = contact_frame(contacts[c].normal);
-            for (int k = 0; k < Dim; ++k) {
-                linear.row(row + k) = frame.col(k).transpose();
-                angular.row(row + k) = moment_arm(contacts[c].arm, frame.col(k), rotation).transpose();
-            }
-            set_rolling_rows(angular, row, frame, rotation);
+        const std::size_t count = contacts.size();
+        rows_.resize(count * kLocal);
+        frames_.resize(count);
+        room_ = &rooms_[std::min(count, rooms_.size() - 1)];
+        room_->problem.resize(static_cast<int>(count));
+        room_->impulse.resize(static_cast<Eigen::Index>(count) * kLocal);
+        for (std::size_t c = 0; c < count; ++c) {
+            frames_[c] = contact_frame(contacts[c].normal);
+            set_rows(&rows_[c * kLocal], contacts[c].arm, frames_[c], rotation);
             const Soil& soil = soils_[contacts[c].soil];
-            problem.friction[c] = soil.friction;
-            problem.rolling[c] = soil.rolling;
+            room_->problem.friction[c] = soil.friction;
+            room_->problem.rolling[c] = soil.rolling;
         }
     }
 
     /// Normal velocity of contact c [m/s].
     double normal_velocity(std::size_t c, const BlockState<Dim>& state) const {
-        const auto row = static_cast<Eigen::Index>(c) * kLocal;
-        return room_->linear.row(row).dot(state.velocity) + room_->angular.row(row).dot(state.spin);
+        return rows_[c * kLocal].velocity(state.velocity, state.spin);
     }
 
     /// Replaces velocity and spin of `state` by those after a step of length h (0: an impact) under `acceleration`.
     ContactSolverReport solve(double h, const Vec& acceleration, const RestitutionRule& rule, BlockState<Dim>& state) {
-        switch (contacts_.size()) {  // sizes known to the compiler for the cases that matter
-            case 1:
-                return solve_sized<kLocal>(h, acceleration, rule, state);
-            case 2:
-                return solve_sized<2 * kLocal>(h, acceleration, rule, state);
-            case 3:
-                return solve_sized<3 * kLocal>(h, acceleration, rule, state);
-            case 4:
-                return solve_sized<4 * kLocal>(h, acceleration, rule, state);
-            default:
-                return solve_sized<Eigen::Dynamic>(h, acceleration, rule, state);
+        auto& [problem, impulse] = *room_;
+        const auto response = spin_response(body_.moment, state.spin, h);
+        const Vec velocity = state.velocity + h * acceleration;
+        const Spin spin = free_spin(body_.moment, state.spin, response, h);
+        double* w = problem.delassus.data();  // column by column
+        for (std::size_t j = 0; j < rows_.size(); ++j) {
+            const Vec push = rows_[j].linear / body_.mass;
+            const Spin turn = response * rows_[j].angular;
+            for (const Row& row : rows_) *w++ = row.velocity(push, turn);
+            problem.free_velocity[static_cast<Eigen::Index>(j)] = rows_[j].velocity(velocity, spin);
         }
+        for (std::size_t c = 0; rule.factor > 0.0 && c < contacts_.size(); ++c) {
+            const double before = normal_velocity(c, state);
+            if (before < -rule.threshold)
+                problem.free_velocity[static_cast<Eigen::Index>(c) * kLocal] +=
+                    rule.factor * soils_[contacts_[c].soil].restitution * before;
+        }
+        impulse.setZero();
+        if (h > 0.0) guess_from_last_step(h);
+        const ContactSolverReport report = solve_contacts<Dim>(problem, settings_, impulse);
+        if (h > 0.0) remember(h);
+        Vec push = Vec::Zero();
+        Spin turn = Spin::Zero();
+        for (std::size_t i = 0; i < rows_.size(); ++i) {
+            push += impulse[static_cast<Eigen::Index>(i)] * rows_[i].linear;
+            turn += impulse[static_cast<Eigen::Index>(i)] * rows_[i].angular;
+        }
+        state.velocity = velocity + push / body_.mass;
+        state.spin = spin + response * turn;
+        return report;
     }
 
     /// Normal impulse of contact c in the last solution [N s].
@@ -101,58 +113,26 @@ public:
     const Eigen::VectorXd& impulse() const { return room_->impulse; }
 
 private:
-    /// Room for one number of contacts, so that storage is hardly ever allocated anew.
-    struct Room {
-        Eigen::Matrix<double, Eigen::Dynamic, Dim> linear;
-        Eigen::Matrix<double, Eigen::Dynamic, kSpin> angular, turned;
-        Eigen::VectorXd impulse;
-        ContactProblem<Dim> problem;
-
-        void resize(int contacts) {
-            linear.resize(contacts * kLocal, Dim);
-            angular.resize(contacts * kLocal, kSpin);
-            turned.resize(contacts * kLocal, kSpin);
-            impulse.resize(contacts * kLocal);
-            problem.resize(contacts);
-        }
+    /// One local velocity: linear.v + angular.Omega.
+    struct Row {
+        Vec linear;
+        Spin angular;
+        double velocity(const Vec& v, const Spin& spin) const { return linear.dot(v) + angular.dot(spin); }
     };
-
-    template <int N>
-    ContactSolverReport solve_sized(double h, const Vec& acceleration, const RestitutionRule& rule,
-                                    BlockState<Dim>& state) {
-        auto& problem = room_->problem;
-        const Eigen::Index rows = room_->linear.rows();
-        const Eigen::Map<const Eigen::Matrix<double, N, Dim>> linear(room_->linear.data(), rows, Dim);
-        const Eigen::Map<const Eigen::Matrix<double, N, kSpin>> angular(room_->angular.data(), rows, kSpin);
-        Eigen::Map<Eigen::Matrix<double, N, kSpin>> turned(room_->turned.data(), rows, kSpin);
-        Eigen::Map<Eigen::Matrix<double, N, N>> delassus(problem.delassus.data(), rows, rows);
-        Eigen::Map<Eigen::Matrix<double, N, 1>> free_velocity(problem.free_velocity.data(), rows),
-            impulse(room_->impulse.data(), rows);
-
-        const auto response = spin_response(body_.moment, state.spin, h);
-        const Vec velocity = state.velocity + h * acceleration;
-        const Spin spin = free_spin(body_.moment, state.spin, response, h);
-        // lazy products: the general ones do not pay for three columns
-        turned = angular.lazyProduct(response);
-        delassus = linear.lazyProduct(linear.transpose()) / body_.mass;
-        delassus += turned.lazyProduct(angular.transpose());
-        free_velocity = linear.lazyProduct(velocity);
-        free_velocity += angular.lazyProduct(spin);
-        if (rule.factor > 0.0) {
-            for (std::size_t c = 0; c < contacts_.size(); ++c) {
-                const double before = normal_velocity(c, state);
-                if (before < -rule.threshold)
-                    free_velocity[static_cast<Eigen::Index>(c) * kLocal] +=
-                        rule.factor * soils_[contacts_[c].soil].restitution * before;
-            }
-        }
-        impulse.setZero();
-        if (h > 0.0) guess_from_last_step(h);
-        const ContactSolverReport report = solve_contacts<Dim>(problem, settings_, room_->impulse);
-        if (h > 0.0) remember(h);
-        state.velocity = velocity + linear.transpose().lazyProduct(impulse) / body_.mass;
-        state.spin = spin + response * angular.transpose().lazyProduct(impulse);
-        return report;
+    /// Problem and impulses for one number of contacts, so that storage is hardly ever allocated anew.
+    struct Room {
+        ContactProblem<Dim> problem;
+        Eigen::VectorXd impulse;
+    };
+    static void set_rows(Row* rows, const Vec3& arm, const Mat3& frame, const Mat3& rotation) {
+        const Vec3 arm_in_body = rotation.transpose() * arm;
+        const Mat3 frame_in_body = rotation.transpose() * frame;
+        for (int k = 0; k < 3; ++k) rows[k] = {frame.col(k), arm_in_body.cross(frame_in_body.col(k))};
+        for (int k = 3; k < 5; ++k) rows[k] = {Vec3::Zero(), frame_in_body.col(k - 2)};
+    }
+    static void set_rows(Row* rows, const Vec2& arm, const Mat2& frame, const Mat2&) {
+        for (int k = 0; k < 2; ++k) rows[k] = {frame.col(k), Spin(arm.x() * frame(1, k) - arm.y() * frame(0, k))};
+        rows[2] = {Vec2::Zero(), Spin(1.0)};
     }
 
     /// Contact forces of the last step, kept with the features that they acted on.
@@ -164,7 +144,7 @@ private:
     void remember(double h) {
         memory_.clear();
         for (std::size_t c = 0; c < contacts_.size(); ++c)
-            memory_.push_back({contacts_[c].key, contact_frame(contacts_[c].normal),
+            memory_.push_back({contacts_[c].key, frames_[c],
                                room_->impulse.template segment<kLocal>(static_cast<Eigen::Index>(c) * kLocal) / h});
     }
     /// Forces hardly change from step to step: a good first guess for the solver.
@@ -172,7 +152,7 @@ private:
         for (std::size_t c = 0; c < contacts_.size(); ++c) {
             for (const Memory& m : memory_) {
                 if (!same_pair(m.key, contacts_[c].key)) continue;
-                const auto frame = contact_frame(contacts_[c].normal);
+                const auto& frame = frames_[c];
                 auto guess = room_->impulse.template segment<kLocal>(static_cast<Eigen::Index>(c) * kLocal);
                 const Vec force = m.frame * m.force.template head<Dim>();
                 guess.template head<Dim>() = h * (frame.transpose() * force);
@@ -182,28 +162,14 @@ private:
             }
         }
     }
-    static Vec3 moment_arm(const Vec3& arm, const Vec3& direction, const Mat3& rotation) {
-        return rotation.transpose() * arm.cross(direction);
-    }
-    static Space<2>::Spin moment_arm(const Vec2& arm, const Vec2& direction, const Mat2&) {
-        return Space<2>::Spin(arm.x() * direction.y() - arm.y() * direction.x());
-    }
-    template <class Rows>
-    static void set_rolling_rows(Rows& angular, Eigen::Index row, const Mat3& frame, const Mat3& rotation) {
-        angular.row(row + 3) = (rotation.transpose() * frame.col(1)).transpose();
-        angular.row(row + 4) = (rotation.transpose() * frame.col(2)).transpose();
-    }
-    template <class Rows>
-    static void set_rolling_rows(Rows& angular, Eigen::Index row, const Mat2&, const Mat2&) {
-        angular(row + 2, 0) = 1.0;
-    }
-
     BodyInertia<Dim> body_;
     std::span<const Soil> soils_;
     ContactSolverSettings settings_;
     std::span<const Contact<Dim>> contacts_;
-    std::array<Room, 6> rooms_;  ///< for 0 to 4 contacts, the last for more
-    Room* room_ = nullptr;       ///< of the contacts at hand
+    std::vector<Row> rows_;                              ///< kLocal for each contact
+    std::vector<typename Space<Dim>::Rotation> frames_;  ///< of each contact
+    std::array<Room, 6> rooms_;                          ///< for 0 to 4 contacts, the last for more
+    Room* room_ = nullptr;                               ///< of the contacts at hand
     std::vector<Memory> memory_;
 };
 

@@ -475,7 +475,7 @@ private:
         if (++turns_ > kMostTurns) finish(StopReason::Failed);
     }
 
-    static constexpr double kTouch = 1e-6;             ///< gap at which a flight has landed [m]
+    static constexpr double kTouch = 1e-5;             ///< gap at which a flight has landed [m]
     static constexpr double kShortestFlight = 1e-7;    ///< resolution of closing times [s]
     static constexpr double kEnergyTolerance = 1e-12;  ///< relative rise of energy in an impact that is rounding [-]
     static constexpr double kAllowedRise =

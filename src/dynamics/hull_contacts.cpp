@@ -31,17 +31,37 @@ constexpr double kFarHorizon = 0.5, kNearHorizon = 0.02;
 /// A flight time over the plane that is shorter than this makes it worth looking at the features [s].
 constexpr double kNearTime = 2e-3;
 /// How far features are looked for: what the fastest point of the block covers in this time [s], and a share of the block's thickness at most [-].
-/// Short where the last look found something near: mostly that is what the block will touch.
-constexpr double kLongestLook = 0.02, kShortestLook = 2e-4, kLookShare = 0.7;
+/// Shorter where the last look found something near: mostly that is what the block will touch.
+constexpr double kLongestLook = 0.02, kShortestLook = 2e-3, kLookShare = 0.7;
+/// A block in flight has the terrain of so much time copied out at once [s], two radii at most.
+constexpr double kPatchTime = 0.1;
+/// A tip or crest that is passed by may become a contact as the block turns; nearer than this it is not waited for, it would stop every flight over
+/// a crest [m]. The overlap that can come of it is found at the next look, and the flight is taken back to where it begins.
+constexpr double kPassedBy = 5e-3;
 /// Where terrain has holes or ends, share of the radius that is flown at most between two looks [-].
 constexpr double kRimShare = 0.25;
-/// Acceleration of a point of a freely turning body is at most |Omega|^2 r + |dOmega/dt| r, and Euler's equations with |I_i - I_j| <= I_k give
-/// |dOmega/dt| <= |Omega|^2 / sqrt(3) [-].
-constexpr double kTurningBound = 1.57735026918962576;
+/// Euler's equations with |I_i - I_j| <= I_k give |dOmega/dt| <= |Omega|^2 / sqrt(3) and |d^2 Omega/dt^2| <= |Omega|^3, both in the body frame. The
+/// acceleration of a point of a freely turning body is then at most (1 + 1/sqrt 3) |Omega|^2 r and changes at most at the rate
+/// (2 + 4/sqrt 3) |Omega|^3 r [-].
+constexpr double kTurningBound = 1.57735026918962576, kJerkBound = 4.30940107675850306;
 
-/// When gap + rate t - acceleration/2 t^2 reaches zero [s]; gap positive.
+/// When gap + rate t - acceleration/2 t^2 reaches zero [s], infinite if never; gap positive.
 double arrival(double gap, double rate, double acceleration) {
-    return 2.0 * gap / (std::sqrt(rate * rate + 2.0 * acceleration * gap) - rate);
+    const double root = rate * rate + 2.0 * acceleration * gap;
+    if (root < 0.0) return kInfinity;
+    const double fall = std::sqrt(root) - rate;
+    return fall > 0.0 ? 2.0 * gap / fall : kInfinity;
+}
+
+/// Lower bound of the same with an acceleration that is at most acceleration + jerk t, and at most `most`: what it can be up to a time counts as
+/// constant up to that time, for two guesses of the time. No longer time is asked for than the horizon.
+double arrival(double gap, double rate, double acceleration, double jerk, double most, double horizon) {
+    double guess = std::min(arrival(gap, rate, acceleration), horizon), time = 0.0;
+    for (int k = 0; k < 2; ++k) {
+        time = std::max(time, std::min(guess, arrival(gap, rate, std::min(acceleration + jerk * guess, most))));
+        guess = std::min(guess, arrival(gap, rate, acceleration + jerk * time));
+    }
+    return time;
 }
 
 }  // namespace
@@ -50,20 +70,24 @@ HullContacts::HullContacts(const ConvexBlock& block, const Surface& surface, boo
     : block_(block),
       surface_(surface),
       vertices_only_(vertices_only),
+      vertex_free_until_(block.x.size()),
       height_(block.x.size()),
       face_value_(block.nx.size()),
       face_slope_(block.nx.size()) {}
 
-void HullContacts::cover(const Vec3& position, double reach) {
+void HullContacts::cover(const Vec3& position, double reach, const Vec2& way) {
     const double half = block_.radius + reach;
     const Vec2 plan = position.head<2>();
-    const Box2 needed = Box2{plan, plan}.grown(half);
+    Box2 needed = Box2{plan, plan}.grown(half);
     if (covered_ && patch_.box.contains(needed.min) && patch_.box.contains(needed.max)) return;
-    // half a block more on each side: enough for many steps, little to copy
+    // half a block more on each side, or what the block is about to fly over: enough for many steps, little to copy
+    needed.add(needed.min + way);
+    needed.add(needed.max + way);
     surface_.gather(needed.grown(std::max(0.5 * block_.radius, 0.1)), patch_);
     covered_ = true;
     node_free_until_.assign(patch_.nodes.size(), -kInfinity);
     edge_free_until_.assign(patch_.edges.size(), -kInfinity);
+    vertex_free_until_.setConstant(-kInfinity);
     node_height_.clear();
     edge_height_.clear();
     for (const PatchNode& n : patch_.nodes) node_height_.push_back(patch_.plane.height(n.position));
@@ -79,7 +103,7 @@ bool HullContacts::over_terrain(const Vec3& position) {
 }
 
 double HullContacts::clearance(const Vec3& position, const Mat3& rotation) {
-    cover(position, 0.0);
+    cover(position, 0.0, Vec2::Zero());
     if (patch_.facets.empty()) return kInfinity;
     const double centre = patch_.plane.height(position);
     if (centre > 2.0 * block_.radius) return centre - block_.radius;
@@ -92,10 +116,12 @@ double HullContacts::clearance(const Vec3& position, const Mat3& rotation) {
 double HullContacts::free_time(const BlockState<3>& s, double spin_bound, double gravity, double& gap) {
     gap = kInfinity;
     const Mat3 rotation = s.orientation.toRotationMatrix();
+    const Vec3 torque = block_.inertia.cwiseProduct(s.spin).cross(s.spin);
     const Flight flight{s.velocity,
                         rotation * s.spin,
-                        spin_bound,
+                        rotation * torque.cwiseQuotient(block_.inertia),
                         kTurningBound * spin_bound * spin_bound * block_.radius,
+                        kJerkBound * spin_bound * spin_bound * spin_bound * block_.radius,
                         s.velocity.norm() + s.spin.norm() * block_.radius,
                         gravity};
     const double over_plane = time_over_plane(s.position, rotation, flight);
@@ -139,10 +165,7 @@ double HullContacts::time_over_plane(const Vec3& position, const Mat3& rotation,
     if (centre > block_.radius) time = std::isinf(centre) ? inside : arrival(centre - block_.radius, rate, fall);
     if (time < inside) {
         measure_heights(position, rotation, ahead_);
-        if (lowest_ > 0.0)
-            time = std::max(
-                time, soonest_arrival(block_, height_.data(), rotation.transpose() * ahead_.normal.cross(flight.spin),
-                                      rate, fall + flight.turning));
+        if (lowest_ > 0.0) time = std::max(time, soonest_on_plane(rotation, ahead_.normal, flight, inside));
     }
     if (time < 0.5 * inside && horizon_ > kNearHorizon) {
         horizon_ *= 0.5;  // over rough or curved ground a near plane lies closer
@@ -153,42 +176,67 @@ double HullContacts::time_over_plane(const Vec3& position, const Mat3& rotation,
     return std::min(time, inside);
 }
 
+/// With the vertices' heights over the plane at hand, all positive.
+double HullContacts::soonest_on_plane(const Mat3& rotation, const Vec3& normal, const Flight& flight,
+                                      double horizon) const {
+    const Vec3 n = rotation.transpose() * normal;
+    // (n.(Omega x r)) and (n.(dOmega/dt x r + Omega x (Omega x r))) as products with r
+    const Vec3 spin = rotation.transpose() * flight.spin, change = rotation.transpose() * flight.spin_change;
+    const Vec3 speeding = n.cross(change) + n.dot(spin) * spin - spin.squaredNorm() * n;
+    return soonest_arrival(block_, height_.data(),
+                           {n.cross(spin), normal.dot(flight.velocity), -speeding, flight.gravity * normal.z(),
+                            flight.jerk, flight.gravity * normal.z() + flight.turning, horizon});
+}
+
 double HullContacts::time_to_features(const Vec3& position, const Mat3& rotation, const Flight& flight, double& gap) {
     const double reach =
         std::clamp(look_time_ * flight.fastest, 1e-3 * block_.inner_radius, kLookShare * block_.inner_radius);
+    const Vec2 way = kPatchTime * flight.velocity.head<2>();
+    cover(position, reach, way * std::min(1.0, 2.0 * block_.radius / std::max(way.norm(), 1e-9)));
     detect(position, rotation, reach, near_);
+    for (const Contact<3>& c : near_) gap = std::min(gap, c.gap);
+    if (gap <= 0.0) return 0.0;
     const double unlisted = arrival(reach, -flight.fastest, flight.gravity);
     double time = unlisted;
-    for (const Contact<3>& c : near_) {
-        gap = std::min(gap, c.gap);
-        if (c.gap <= 0.0) return 0.0;
-        double t = arrival(c.gap, -flight.fastest, flight.gravity + flight.turning);
-        if (c.key.pair == FeaturePair::VertexOnFacet) {
-            t = std::max(t, time_of_vertex(position + c.arm, c, flight));
-        } else {
-            // the terrain at a crest or tip lies below the plane through it that the contact's normal stands on, and the block above it
-            const double offset = c.normal.dot(position + c.arm);
-            measure_heights(position, rotation, {c.normal, offset, true});
-            if (lowest_ > 0.0)
-                t = std::max(t,
-                             soonest_arrival(block_, height_.data(), rotation.transpose() * c.normal.cross(flight.spin),
-                                             c.normal.dot(flight.velocity), flight.gravity + flight.turning));
-        }
-        time = std::min(time, t);
-    }
+    auto look_at = [&](const Contact<3>& c) {
+        const double soonest = arrival(c.gap, -flight.fastest, flight.gravity + flight.turning);
+        if (soonest < time)
+            time = std::min(time, std::max(soonest, time_of_contact(position, rotation, c, flight, time)));
+    };
+    // the nearest first: mostly it comes first, and the others need no closer look
+    for (const Contact<3>& c : near_)
+        if (c.gap == gap) look_at(c);
+    for (const Contact<3>& c : near_)
+        if (c.gap > gap) look_at(c);
+    for (const Contact<3>& c : passed_by_)
+        if (c.gap > kPassedBy) look_at(c);
     if (!patch_.plane.whole) time = std::min(time, kRimShare * block_.radius / std::max(flight.fastest, 0.1));
-    look_time_ = time < unlisted ? std::max(4.0 * time, kShortestLook) : std::min(4.0 * look_time_, kLongestLook);
+    look_time_ = time < unlisted ? std::clamp(4.0 * time, kShortestLook, kLongestLook) : kLongestLook;
     return std::min(time, kLongestFlight);
 }
 
+double HullContacts::time_of_contact(const Vec3& position, const Mat3& rotation, const Contact<3>& contact,
+                                     const Flight& flight, double horizon) {
+    if (contact.key.pair == FeaturePair::VertexOnFacet)
+        return time_of_vertex(position + contact.arm, contact, flight, horizon);
+    // the terrain at a crest or tip lies below the plane through it that the contact's normal stands on, and the block above it
+    measure_heights(position, rotation, {contact.normal, contact.normal.dot(position + contact.arm), true});
+    return lowest_ > 0.0 ? soonest_on_plane(rotation, contact.normal, flight, horizon) : 0.0;
+}
+
 // The height of a vertex above the surface shrinks at a rate that depends on the facet below; all facets that it may get over count.
-double HullContacts::time_of_vertex(const Vec3& p, const Contact<3>& contact, const Flight& flight) const {
-    const Vec3 u = flight.velocity_at(contact.arm);
+double HullContacts::time_of_vertex(const Vec3& p, const Contact<3>& contact, const Flight& flight,
+                                    double horizon) const {
+    const Vec3 u = flight.velocity_at(contact.arm), a = flight.acceleration_at(contact.arm);
     const double height = contact.gap / contact.normal.z();
-    auto time_over = [&](const Vec3& n) {
-        return arrival(height, n.dot(u) / n.z(), flight.gravity + flight.turning / n.z());
+    double rate = contact.normal.dot(u) / contact.normal.z(),
+           acceleration = -contact.normal.dot(a) / contact.normal.z();
+    double steepest = contact.normal.z();
+    auto time_now = [&] {
+        return arrival(height, rate, acceleration, flight.jerk / steepest, flight.gravity + flight.turning / steepest,
+                       horizon);
     };
-    double time = time_over(contact.normal);
+    double time = time_now();
     const Vec2 plan = p.head<2>();
     Box2 swept{plan, plan};
     swept.add(plan + time * u.head<2>());
@@ -200,12 +248,14 @@ double HullContacts::time_of_vertex(const Vec3& p, const Contact<3>& contact, co
         for (int i = std::max(0, static_cast<int>(low.x()));
              i <= std::min(patch_.bin_columns - 1, static_cast<int>(high.x())); ++i) {
             for (const std::int32_t f : patch_.facets_in_bin(i, j)) {
-                const Vec3& n = patch_.facets[static_cast<std::size_t>(f)].normal;
-                if (n.dot(u) * contact.normal.z() < contact.normal.dot(u) * n.z()) time = std::min(time, time_over(n));
+                const PatchFacet& facet = patch_.facets[static_cast<std::size_t>(f)];
+                rate = std::min(rate, facet.rise(u));
+                acceleration = std::max(acceleration, -facet.rise(a));
+                steepest = std::min(steepest, facet.normal.z());
             }
         }
     }
-    return time;
+    return std::min(time, time_now());
 }
 
 // ---- contacts ----------------------------------------------------------------------------------------------------------------------
@@ -216,15 +266,16 @@ void HullContacts::measure_heights(const Vec3& position, const Mat3& rotation, c
 
 void HullContacts::detect(const Vec3& position, const Mat3& rotation, double reach, std::vector<Contact<3>>& contacts) {
     contacts.clear();
+    passed_by_.clear();
     beyond_rim_ = false;
-    cover(position, reach);
+    cover(position, reach, Vec2::Zero());
     if (patch_.facets.empty()) return;
     if (patch_.plane.height(position) - block_.radius > reach) return;
     measure_heights(position, rotation, patch_.plane);
     if (lowest_ > reach) return;
+    advance_odometer(position, rotation);
     add_vertex_contacts(position, rotation, reach, contacts);
     if (vertices_only_) return;
-    advance_odometer(position, rotation);
     add_tip_contacts(position, rotation, reach, contacts);
     add_crest_contacts(position, rotation, reach, contacts);
 }
@@ -240,6 +291,7 @@ void HullContacts::add_vertex_contacts(const Vec3& position, const Mat3& rotatio
                                        std::vector<Contact<3>>& contacts) {
     for (Eigen::Index i = 0; i < block_.vertex_count(); ++i) {
         if (height_[i] > reach) continue;
+        if (odometer_ + reach < vertex_free_until_[i]) continue;  // it was higher up than the block has moved since
         Contact<3> contact;
         contact.arm = rotation * block_.vertex(i);
         const Vec3 p = position + contact.arm;
@@ -252,7 +304,13 @@ void HullContacts::add_vertex_contacts(const Vec3& position, const Mat3& rotatio
         contact.normal = facet->normal;
         contact.soil = facet->soil;
         contact.key = {FeaturePair::VertexOnFacet, static_cast<std::int64_t>(i), facet->id};
-        if (contact.gap <= reach) contacts.push_back(contact);
+        if (contact.gap <= reach) {
+            contacts.push_back(contact);
+        } else if (patch_.plane.whole) {
+            // by moving d it comes at most d / cos nearer to the terrain below, cos of the steepest facet's slope
+            vertex_free_until_[i] =
+                odometer_ + contact.gap * patch_.least_normal_z / facet->normal.z() * kOdometerShare;
+        }
         if (facet->inset(p.head<2>()) < kValleyMargin) add_other_facets(p, *facet, reach, contact, contacts);
     }
 }
@@ -311,17 +369,20 @@ void HullContacts::add_tip_contacts(const Vec3& position, const Mat3& rotation, 
         contact.gap = block_.normal(face).dot(p) - block_.offset[face];
         contact.normal = -(rotation * block_.normal(face));
         if (contact.gap < -block_.inner_radius) continue;
-        if (std::any_of(spokes.begin(), spokes.end(),
-                        [&](const PatchSpoke& s) { return contact.normal.dot(s.direction) > -kTipAngle; }))
-            continue;
         contact.arm = arm;
-        double closest = -1.0;
-        for (const PatchSpoke& s : spokes) {
-            if (s.normal.dot(contact.normal) <= closest) continue;
-            closest = s.normal.dot(contact.normal);
-            contact.soil = s.soil;
-        }
         contact.key = {FeaturePair::NodeInFace, 0, node.id};
+        if (std::any_of(spokes.begin(), spokes.end(),
+                        [&](const PatchSpoke& s) { return contact.normal.dot(s.edge) > -kTipAngle * s.edge.norm(); })) {
+            passed_by_.push_back(contact);
+            continue;
+        }
+        double closest = -1.0;
+        for (std::size_t s = 0; s < spokes.size(); ++s) {
+            const Vec3 facet = spokes[s].edge.cross(spokes[(s + 1) % spokes.size()].edge).normalized();
+            if (facet.dot(contact.normal) <= closest) continue;
+            closest = facet.dot(contact.normal);
+            contact.soil = spokes[s].soil;
+        }
         contacts.push_back(contact);
     }
 }
@@ -356,21 +417,27 @@ void HullContacts::add_crest_contacts(const Vec3& position, const Mat3& rotation
         farthest_on_line(block_, face_value_.data(), face_slope_.data(), 0.0, left);
         farthest_on_line(block_, face_value_.data(), face_slope_.data(), 1.0, right);
         // least at an end: the tip there touches, or the next crest; a face that lies almost flat across that end touches here with its other end
-        if (face_slope_[left] >= 0.0) {
-            add_far_end(crest, 0.0, left, +1.0, reach, rotation, contacts);
+        if (face_slope_[left] >= 0.0 || face_slope_[right] <= 0.0) {
+            const double end = face_slope_[left] >= 0.0 ? 0.0 : 1.0;
+            const Eigen::Index face = end == 0.0 ? left : right;
+            const double outside = face_value_[face] + end * face_slope_[face];
+            if (outside > reach)
+                edge_free_until_[k] = odometer_ + outside * kOdometerShare;
+            else
+                add_far_end(crest, end, face, end == 0.0 ? +1.0 : -1.0, reach, rotation, contacts);
             continue;
         }
-        if (face_slope_[right] <= 0.0) {
-            add_far_end(crest, 1.0, right, -1.0, reach, rotation, contacts);
-            continue;
-        }
-        double t = 0.0;
+        double t = 0.0, outside = 0.0;
         for (int turn = 0; turn < 64; ++turn) {
             t = (face_value_[right] - face_value_[left]) / (face_slope_[left] - face_slope_[right]);
             const double phi = farthest_on_line(block_, face_value_.data(), face_slope_.data(), t, top);
-            const double bound = face_value_[left] + t * face_slope_[left];  // from below, for the minimum
-            if (bound > reach || top == left || top == right || phi <= bound + 1e-14) break;
+            outside = face_value_[left] + t * face_slope_[left];  // the minimum is no less
+            if (outside > reach || top == left || top == right || phi <= outside + 1e-14) break;
             (face_slope_[top] < 0.0 ? left : right) = top;
+        }
+        if (outside > reach) {
+            edge_free_until_[k] = odometer_ + outside * kOdometerShare;
+            continue;
         }
         const double share =
             -face_slope_[right] /
@@ -394,7 +461,7 @@ static bool falls_short(const Vec3& normal, const PatchEdge& edge, std::size_t s
 // It counts only if both terrain facets fall away from the plane through the crest with this normal; false if they do not.
 bool HullContacts::add_crest_contact(const CrestInBody& crest, double t, const Vec3& outward, Eigen::Index face,
                                      Eigen::Index other_face, double reach, const Mat3& rotation,
-                                     std::vector<Contact<3>>& contacts) const {
+                                     std::vector<Contact<3>>& contacts) {
     const double length = outward.norm();
     if (length < 1e-9) return true;
     Contact<3> contact;
@@ -402,9 +469,13 @@ bool HullContacts::add_crest_contact(const CrestInBody& crest, double t, const V
     if (contact.gap > reach || contact.gap < -block_.inner_radius) return true;
     contact.normal = rotation * (-outward / length);
     const PatchEdge& edge = crest.edge;
-    if (falls_short(contact.normal, edge, 0) || falls_short(contact.normal, edge, 1)) return false;
     contact.arm = rotation * (crest.a + t * crest.d);
-    contact.soil = edge.soil[contact.normal.dot(edge.normal[0]) >= contact.normal.dot(edge.normal[1]) ? 0 : 1];
+    contact.key.pair = FeaturePair::EdgeOnEdge;
+    if (falls_short(contact.normal, edge, 0) || falls_short(contact.normal, edge, 1)) {
+        passed_by_.push_back(contact);
+        return false;
+    }
+    contact.soil = edge.soil[contact.normal.dot(edge.normal(0)) >= contact.normal.dot(edge.normal(1)) ? 0 : 1];
     const auto [low, high] = std::minmax(face, other_face);
     contact.key = {FeaturePair::EdgeOnEdge, static_cast<std::int64_t>(low * block_.face_count() + high), edge.id};
     contacts.push_back(contact);
@@ -416,7 +487,8 @@ bool HullContacts::add_crest_contact(const CrestInBody& crest, double t, const V
 // vertex touches a facet, which is found as such.
 void HullContacts::add_cut_corner(const PatchEdge& edge, const Vec3& position, const Mat3& rotation,
                                   std::vector<Contact<3>>& contacts) {
-    auto direction = [&](double s) -> Vec3 { return ((1.0 - s) * edge.normal[0] + s * edge.normal[1]).normalized(); };
+    const std::array<Vec3, 2> facet{edge.normal(0), edge.normal(1)};
+    auto direction = [&](double s) -> Vec3 { return ((1.0 - s) * facet[0] + s * facet[1]).normalized(); };
     auto separation = [&](double s) {
         const Vec3 n = direction(s);
         return n.dot(position - edge.a) - support(block_, rotation.transpose() * -n);
@@ -467,7 +539,7 @@ void HullContacts::add_cut_corner(const PatchEdge& edge, const Vec3& position, c
 
 // From the deepest point the crest follows one face in the given direction up to the next face that rises above it.
 void HullContacts::add_far_end(const CrestInBody& crest, double t, Eigen::Index face, double direction, double reach,
-                               const Mat3& rotation, std::vector<Contact<3>>& contacts) const {
+                               const Mat3& rotation, std::vector<Contact<3>>& contacts) {
     const double rise = face_slope_[face];
     const double room = direction > 0.0 ? 1.0 - t : t;
     if (face_value_[face] + t * rise + std::abs(rise) * std::min(room, 0.02) > reach)

@@ -42,20 +42,27 @@ public:
 private:
     /// Velocity of the body's points in flight and how much it can change.
     struct Flight {
-        Vec3 velocity;      ///< of the centre of mass [m/s]
-        Vec3 spin;          ///< local frame [rad/s]
-        double spin_bound;  ///< largest spin during the flight [rad/s]
-        double turning;     ///< largest acceleration of a point relative to the centre of mass [m/s^2]
-        double fastest;     ///< largest speed of a point now [m/s]
-        double gravity;     ///< [m/s^2]
+        Vec3 velocity;     ///< of the centre of mass [m/s]
+        Vec3 spin;         ///< local frame [rad/s]
+        Vec3 spin_change;  ///< its rate, local frame [rad/s^2]
+        double turning;    ///< largest acceleration of a point relative to the centre of mass during the flight [m/s^2]
+        double jerk;       ///< largest rate of change of that [m/s^3]
+        double fastest;    ///< largest speed of a point now [m/s]
+        double gravity;    ///< [m/s^2]
         Vec3 velocity_at(const Vec3& arm) const { return velocity + spin.cross(arm); }
+        Vec3 acceleration_at(const Vec3& arm) const {
+            return spin_change.cross(arm) + spin.cross(spin.cross(arm)) - gravity * Vec3::UnitZ();
+        }
     };
     double time_over_plane(const Vec3& position, const Mat3& rotation, const Flight& flight);
     double time_to_features(const Vec3& position, const Mat3& rotation, const Flight& flight, double& gap);
-    double time_of_vertex(const Vec3& p, const Contact<3>& contact, const Flight& flight) const;
+    double soonest_on_plane(const Mat3& rotation, const Vec3& normal, const Flight& flight, double horizon) const;
+    double time_of_contact(const Vec3& position, const Mat3& rotation, const Contact<3>& contact, const Flight& flight,
+                           double horizon);
+    double time_of_vertex(const Vec3& p, const Contact<3>& contact, const Flight& flight, double horizon) const;
     void look_ahead(const Vec3& position, const Vec3& velocity);
 
-    void cover(const Vec3& position, double reach);
+    void cover(const Vec3& position, double reach, const Vec2& way);
     void add_vertex_contacts(const Vec3& position, const Mat3& rotation, double reach,
                              std::vector<Contact<3>>& contacts);
     void add_other_facets(const Vec3& p, const PatchFacet& below, double reach, Contact<3> contact,
@@ -71,11 +78,11 @@ private:
     };
     bool add_crest_contact(const CrestInBody& crest, double t, const Vec3& outward, Eigen::Index face,
                            Eigen::Index other_face, double reach, const Mat3& rotation,
-                           std::vector<Contact<3>>& contacts) const;
+                           std::vector<Contact<3>>& contacts);
     void add_cut_corner(const PatchEdge& edge, const Vec3& position, const Mat3& rotation,
                         std::vector<Contact<3>>& contacts);
     void add_far_end(const CrestInBody& crest, double t, Eigen::Index face, double direction, double reach,
-                     const Mat3& rotation, std::vector<Contact<3>>& contacts) const;
+                     const Mat3& rotation, std::vector<Contact<3>>& contacts);
 
     void advance_odometer(const Vec3& position, const Mat3& rotation);
     void measure_heights(const Vec3& position, const Mat3& rotation, const SupportingPlane& plane);
@@ -98,10 +105,13 @@ private:
     double horizon_ = 0.1;                 ///< how far ahead it is laid [s]
     double look_time_ = 0.02;              ///< how far features are looked for in flight [s]
     std::vector<Contact<3>> near_;         ///< room for free_time
-    Eigen::ArrayXd height_;                ///< of each vertex over the plane last measured from [m]
-    double lowest_ = 0.0;                  ///< the least of them [m]
-    Eigen::ArrayXd face_value_;            ///< plane distance of each face along the crest at hand: value + t slope [m]
-    Eigen::ArrayXd face_slope_;            ///< [m]
+    std::vector<Contact<3>>
+        passed_by_;  ///< tips and crests within reach that touch nothing in this pose: a vertex or another crest is nearer
+    Eigen::ArrayXd vertex_free_until_;  ///< same for the block's vertices [m]
+    Eigen::ArrayXd height_;             ///< of each vertex over the plane last measured from [m]
+    double lowest_ = 0.0;               ///< the least of them [m]
+    Eigen::ArrayXd face_value_;         ///< plane distance of each face along the crest at hand: value + t slope [m]
+    Eigen::ArrayXd face_slope_;         ///< [m]
 };
 
 }  // namespace scree

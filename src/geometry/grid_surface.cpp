@@ -140,7 +140,7 @@ void GridSurface::gather(const Box2& box, TerrainPatch& patch) const {
                 SoilId soil = 0;
                 if (!facet(f, corners, soil)) continue;
                 patch.bin_facets.push_back(static_cast<std::int32_t>(patch.facets.size()));
-                patch.facets.push_back(make_patch_facet(corners, soil, f));
+                patch.add_facet(make_patch_facet(corners, soil, f));
             }
             patch.bin_start.push_back(static_cast<std::int32_t>(patch.bin_facets.size()));
         }
@@ -179,10 +179,7 @@ void GridSurface::add_edge(std::pair<int, int> a, std::pair<int, int> b, std::pa
     e.a = node(a.first, a.second);
     e.b = node(b.first, b.second);
     e.beyond = {node(left.first, left.second), node(right.first, right.second)};
-    e.normal[0] = (e.b - e.a).cross(e.beyond[0] - e.a);
-    if (!is_crest(e.normal[0], e.a, e.beyond[1])) return;
-    e.normal[0].normalize();
-    e.normal[1] = (e.a - e.b).cross(e.beyond[1] - e.b).normalized();
+    if (!is_crest((e.b - e.a).cross(e.beyond[0] - e.a), e.a, e.beyond[1])) return;
     e.soil = {soil_[static_cast<std::size_t>(left_facet)], soil_[static_cast<std::size_t>(right_facet)]};
     e.id = id;
     patch.edges.push_back(e);
@@ -206,22 +203,18 @@ void GridSurface::gather_node(int i, int j, TerrainPatch& patch) const {
     for (std::size_t k = 0; k < 6; ++k) crests += convex(k) ? 1 : 0;
     if (crests < 3 || !std::isfinite(top + z[0] + z[1] + z[2] + z[3] + z[4] + z[5])) return;
     const Vec3 centre = node(i, j);
-    std::array<Vec3, 6> spoke, normal;
+    std::array<Vec3, 6> spoke;
     for (std::size_t k = 0; k < 6; ++k) spoke[k] = node(ring[k].first, ring[k].second) - centre;
     crests = 0;
-    for (std::size_t k = 0; k < 6; ++k) {
-        normal[k] = spoke[k].cross(spoke[(k + 1) % 6]);
-        crests += is_crest(normal[k], Vec3::Zero(), spoke[(k + 2) % 6]) ? 1 : 0;
-    }
+    for (std::size_t k = 0; k < 6; ++k)
+        crests += is_crest(spoke[k].cross(spoke[(k + 1) % 6]), Vec3::Zero(), spoke[(k + 2) % 6]) ? 1 : 0;
     if (crests < 3) return;
     PatchNode n;
     n.position = centre;
     n.first = static_cast<std::int32_t>(patch.spokes.size());
     n.count = 6;
     n.id = static_cast<std::int64_t>(shape.index(i, j));
-    for (std::size_t k = 0; k < 6; ++k)
-        patch.spokes.push_back(
-            {spoke[k].normalized(), normal[k].normalized(), soil_[static_cast<std::size_t>(facets[k])]});
+    for (std::size_t k = 0; k < 6; ++k) patch.spokes.push_back({spoke[k], soil_[static_cast<std::size_t>(facets[k])]});
     patch.nodes.push_back(n);
 }
 

@@ -52,15 +52,26 @@ double Support(const ConvexBlock& block, const Vec3& n) {
     return hn::GetLane(hn::MaxOfLanes(Tag(), most));
 }
 
-// The root of h + r t - a/2 t^2 is 2 h / (sqrt(r^2 + 2 a h) - r).
-double SoonestArrival(const ConvexBlock& block, const double* height, const Vec3& n, double rate, double acceleration) {
-    const Dot dot(n);
-    const Lanes shift = hn::Set(Tag(), rate), twice = hn::Set(Tag(), 2.0 * acceleration), two = hn::Set(Tag(), 2.0);
-    Lanes soonest = hn::Set(Tag(), kInfinity);
+/// When h + r t - a/2 t^2 first reaches zero, for h > 0; beyond the horizon if never.
+Lanes Arrival(Lanes h, Lanes r, Lanes a, Lanes horizon) {
+    const Lanes two_h = h + h, root = r * r + a * two_h;
+    const Lanes fall = hn::Sqrt(hn::Max(root, hn::Zero(Tag()))) - r;
+    const auto never = hn::Or(hn::Lt(root, hn::Zero(Tag())), hn::Le(fall, hn::Zero(Tag())));
+    return hn::IfThenElse(never, horizon, hn::Min(two_h / fall, horizon));
+}
+
+// What the acceleration can be up to a guess of the time counts as constant up to then.
+double SoonestArrival(const ConvexBlock& block, const double* height, const PlaneApproach& approach) {
+    const Dot rate_of(approach.rate_vector), acceleration_of(approach.acceleration_vector);
+    const Lanes rate = hn::Set(Tag(), approach.rate), acceleration = hn::Set(Tag(), approach.acceleration),
+                jerk = hn::Set(Tag(), approach.jerk), most = hn::Set(Tag(), approach.most),
+                horizon = hn::Set(Tag(), approach.horizon);
+    Lanes soonest = horizon;
     for (Eigen::Index i = 0; i < block.x.size(); i += step()) {
-        const Lanes r = dot(load(block.x, i), load(block.y, i), load(block.z, i)) + shift;
-        const Lanes h = load(height, i);
-        soonest = hn::Min(soonest, two * h / (hn::Sqrt(r * r + twice * h) - r));
+        const Lanes x = load(block.x, i), y = load(block.y, i), z = load(block.z, i), h = load(height, i);
+        const Lanes r = rate_of(x, y, z) + rate, a = acceleration_of(x, y, z) + acceleration;
+        const Lanes guess = hn::Min(Arrival(h, r, a, horizon), horizon);
+        soonest = hn::Min(soonest, hn::Min(guess, Arrival(h, r, hn::Min(a + jerk * guess, most), horizon)));
     }
     return hn::GetLane(hn::MinOfLanes(Tag(), soonest));
 }
@@ -152,9 +163,8 @@ double plane_heights(const ConvexBlock& block, const Vec3& n, double offset, dou
 double support(const ConvexBlock& block, const Vec3& n) {
     return HWY_DYNAMIC_DISPATCH(Support)(block, n);
 }
-double soonest_arrival(const ConvexBlock& block, const double* height, const Vec3& n, double rate,
-                       double acceleration) {
-    return HWY_DYNAMIC_DISPATCH(SoonestArrival)(block, height, n, rate, acceleration);
+double soonest_arrival(const ConvexBlock& block, const double* height, const PlaneApproach& approach) {
+    return HWY_DYNAMIC_DISPATCH(SoonestArrival)(block, height, approach);
 }
 double farthest_face(const ConvexBlock& block, const Vec3& p, Eigen::Index& face) {
     return HWY_DYNAMIC_DISPATCH(FarthestFace)(block, p, face);

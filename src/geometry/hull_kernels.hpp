@@ -14,9 +14,20 @@ double plane_heights(const ConvexBlock& block, const Vec3& n, double offset, dou
 /// Largest n.p_i over the vertices: how far the block reaches in the direction n.
 double support(const ConvexBlock& block, const Vec3& n);
 
-/// Soonest time [s] at which a vertex could reach the plane from which it is height[i] away, if it moves towards it as
-/// height[i] + (n.p_i + rate) t - acceleration/2 t^2 at worst; infinite if none can. Heights must be positive, acceleration too.
-double soonest_arrival(const ConvexBlock& block, const double* height, const Vec3& n, double rate, double acceleration);
+/// How vertices near a plane: vertex i comes nearer as height[i] + (rate_vector.p_i + rate) t - a/2 t^2 at worst, where a is at most
+/// acceleration_vector.p_i + acceleration + jerk t, and at most `most`.
+struct PlaneApproach {
+    Vec3 rate_vector;          ///< [1/s]
+    double rate;               ///< [m/s]
+    Vec3 acceleration_vector;  ///< [1/s^2]
+    double acceleration;       ///< [m/s^2]
+    double jerk;               ///< [m/s^3]
+    double most;               ///< [m/s^2], positive
+    double horizon;            ///< no longer time is asked for [s]
+};
+
+/// Lower bound of the time at which the first vertex reaches the plane [s], at most the horizon. Heights must be positive.
+double soonest_arrival(const ConvexBlock& block, const double* height, const PlaneApproach& approach);
 
 /// Largest of normal.p - offset over the faces; `face` is the first where it is.
 double farthest_face(const ConvexBlock& block, const Vec3& p, Eigen::Index& face);

@@ -274,7 +274,7 @@ void MeshSurface::gather(const Box2& box, TerrainPatch& patch) const {
     patch.plane = plane_over(found, box);
     std::vector<std::int32_t> crests, vertices;
     for (const std::int32_t f : found) {
-        patch.facets.push_back(make_patch_facet(corners(f), mesh_.soil[static_cast<std::size_t>(f)], f));
+        patch.add_facet(make_patch_facet(corners(f), mesh_.soil[static_cast<std::size_t>(f)], f));
         for (const std::int32_t crest : facet_crests_[static_cast<std::size_t>(f)])
             if (crest >= 0) crests.push_back(crest);
         for (const std::int32_t v : mesh_.facets[static_cast<std::size_t>(f)])
@@ -313,8 +313,6 @@ void MeshSurface::gather_crests(std::vector<std::int32_t>& crests, TerrainPatch&
         e.a = vertex(crest.a);
         e.b = vertex(crest.b);
         e.beyond = {vertex(crest.beyond[0]), vertex(crest.beyond[1])};
-        e.normal = {Vec3((e.b - e.a).cross(e.beyond[0] - e.a).normalized()),
-                    Vec3((e.a - e.b).cross(e.beyond[1] - e.b).normalized())};
         e.soil = {mesh_.soil[static_cast<std::size_t>(crest.facet[0])],
                   mesh_.soil[static_cast<std::size_t>(crest.facet[1])]};
         e.id = number;
@@ -333,10 +331,8 @@ void MeshSurface::gather_tips(std::vector<std::int32_t>& vertices, TerrainPatch&
         for (std::int32_t k = ring_start_[static_cast<std::size_t>(v)];
              k < ring_start_[static_cast<std::size_t>(v) + 1]; ++k) {
             const std::int32_t f = ring_facet_[static_cast<std::size_t>(k)];
-            const auto c = corners(f);
-            patch.spokes.push_back({(vertex(ring_[static_cast<std::size_t>(k)]) - n.position).normalized(),
-                                    (c[1] - c[0]).cross(c[2] - c[0]).normalized(),
-                                    mesh_.soil[static_cast<std::size_t>(f)]});
+            patch.spokes.push_back(
+                {vertex(ring_[static_cast<std::size_t>(k)]) - n.position, mesh_.soil[static_cast<std::size_t>(f)]});
             ++n.count;
         }
         patch.nodes.push_back(n);

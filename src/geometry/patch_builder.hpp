@@ -12,6 +12,8 @@ inline PatchFacet make_patch_facet(const std::array<Vec3, 3>& c, SoilId soil, st
     PatchFacet f;
     f.normal = (c[1] - c[0]).cross(c[2] - c[0]).normalized();
     f.offset = f.normal.dot(c[0]);
+    f.gradient = -f.normal.head<2>() / f.normal.z();
+    f.base = c[0].z() - f.gradient.dot(c[0].head<2>());
     for (std::size_t k = 0; k < 3; ++k) {
         const Vec3& a = c[k];
         const Vec3& b = c[(k + 1) % 3];

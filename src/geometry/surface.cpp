@@ -14,11 +14,16 @@ void TerrainPatch::clear() {
     bin_start.clear();
     bin_facets.clear();
     bin_columns = bin_rows = 0;
+    least_normal_z = 1.0;
+}
+
+void TerrainPatch::add_facet(const PatchFacet& facet) {
+    facets.push_back(facet);
+    least_normal_z = std::min(least_normal_z, facet.normal.z());
 }
 
 std::span<const std::int32_t> TerrainPatch::facets_near(const Vec2& p) const {
-    const double column = std::floor((p.x() - bin_origin.x()) / bin_size);
-    const double row = std::floor((p.y() - bin_origin.y()) / bin_size);
+    const double column = (p.x() - bin_origin.x()) / bin_size, row = (p.y() - bin_origin.y()) / bin_size;
     if (!(column >= 0.0 && row >= 0.0 && column < bin_columns && row < bin_rows)) return {};
     return facets_in_bin(static_cast<int>(column), static_cast<int>(row));
 }
@@ -29,10 +34,10 @@ const PatchFacet* TerrainPatch::facet_at(const Vec2& p) const {
     for (const std::int32_t f : facets_near(p)) {
         const PatchFacet& candidate = facets[static_cast<std::size_t>(f)];
         const double inset = candidate.inset(p);
-        if (inset > best_inset) {
-            best_inset = inset;
-            best = &candidate;
-        }
+        if (inset <= best_inset) continue;
+        best_inset = inset;
+        best = &candidate;
+        if (inset > 1e-9) break;
     }
     return best;
 }

@@ -212,16 +212,16 @@ TEST(HullContacts, NormalsLieInTheDihedralCone) {
                 const Vec3 along = (e.b - e.a).normalized();
                 EXPECT_NEAR(c.normal.dot(along), 0.0, 1e-9);
                 const double opening = std::acos(std::min(
-                    1.0, e.normal[1].dot(e.normal[0])));  // between the facets' normals, with the finder's slack
-                EXPECT_LE(std::acos(std::min(1.0, c.normal.dot(e.normal[0]))), opening + kConeSlack);
-                EXPECT_LE(std::acos(std::min(1.0, c.normal.dot(e.normal[1]))), opening + kConeSlack);
+                    1.0, e.normal(1).dot(e.normal(0))));  // between the facets' normals, with the finder's slack
+                EXPECT_LE(std::acos(std::min(1.0, c.normal.dot(e.normal(0)))), opening + kConeSlack);
+                EXPECT_LE(std::acos(std::min(1.0, c.normal.dot(e.normal(1)))), opening + kConeSlack);
                 const Vec3 from_a = position + c.arm - e.a;  // the contact point lies on the crest
                 EXPECT_NEAR((from_a - from_a.dot(along) * along).norm(), 0.0, 1e-9);
             } else if (c.key.pair == FeaturePair::NodeInFace) {
                 ++tip_contacts;
                 const PatchNode& n = *nodes.at(c.key.terrain);
                 for (int s = n.first; s < n.first + n.count; ++s)
-                    EXPECT_LT(c.normal.dot(all.spokes[static_cast<std::size_t>(s)].direction), 0.0);
+                    EXPECT_LT(c.normal.dot(all.spokes[static_cast<std::size_t>(s)].edge), 0.0);
             }
         }
     });

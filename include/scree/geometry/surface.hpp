@@ -17,12 +17,16 @@ namespace scree {
 struct PatchFacet {
     Vec3 normal;               ///< unit, upwards [-]
     double offset = 0.0;       ///< normal.p of the plane's points [m]
+    Vec2 gradient;             ///< of the height [-]
+    double base = 0.0;         ///< height over the origin [m]
     std::array<Vec3, 3> side;  ///< (a, b, c) per side: a x + b y + c is the plan distance into the facet [m]
     std::int32_t id = 0;       ///< number of the facet in the surface [-]
     SoilId soil = 0;
 
     double gap(const Vec3& p) const { return normal.dot(p) - offset; }
-    double height(const Vec2& p) const { return (offset - normal.x() * p.x() - normal.y() * p.y()) / normal.z(); }
+    double height(const Vec2& p) const { return base + gradient.dot(p); }
+    /// Upward component of v relative to the plane: how fast a point with velocity v gains height over it.
+    double rise(const Vec3& v) const { return v.z() - gradient.x() * v.x() - gradient.y() * v.y(); }
     /// Signed plan distance of p to the outline, positive inside [m].
     double inset(const Vec2& p) const {
         return std::min({side[0].x() * p.x() + side[0].y() * p.y() + side[0].z(),
@@ -35,24 +39,27 @@ struct PatchFacet {
 struct PatchEdge {
     Vec3 a, b;                   ///< end points [m]
     std::array<Vec3, 2> beyond;  ///< the third corners of its two facets [m]
-    std::array<Vec3, 2> normal;  ///< normals of its two facets [-]
     std::array<SoilId, 2> soil{};
     std::int64_t id = 0;
+
+    /// Of one of its two facets, unit, upwards.
+    Vec3 normal(std::size_t side) const {
+        return (side == 0 ? Vec3((b - a).cross(beyond[0] - a)) : Vec3((a - b).cross(beyond[1] - b))).normalized();
+    }
 };
 
 /// A terrain node that stands out in at least one direction (a tip), which can poke into a block's face.
 struct PatchNode {
     Vec3 position;           ///< [m]
-    std::int32_t first = 0;  ///< its spokes are patch.spokes[first, first + count)
+    std::int32_t first = 0;  ///< its spokes are patch.spokes[first, first + count), counter-clockwise
     std::int32_t count = 0;
     std::int64_t id = 0;
 };
 
-/// From a node along one incident edge, with a facet at that edge.
+/// One of the edges that meet in a node.
 struct PatchSpoke {
-    Vec3 direction;   ///< unit vector to the neighbouring node [-]
-    Vec3 normal;      ///< normal of the facet counter-clockwise of the edge [-]
-    SoilId soil = 0;  ///< soil of that facet
+    Vec3 edge;        ///< from the node to its neighbour [m]
+    SoilId soil = 0;  ///< of the facet between this edge and the next
 };
 
 /// A plane above the terrain over some area: normal.x <= offset for every point x of it.
@@ -67,8 +74,9 @@ struct SupportingPlane {
 /// The terrain near a block, copied out once and used for many steps while the block stays over `box`.
 /// Facets are found through square bins, like the cells of the grid that they mostly come from.
 struct TerrainPatch {
-    Box2 box;               ///< what the patch covers in plan view [m]
-    SupportingPlane plane;  ///< of the whole patch
+    Box2 box;                     ///< what the patch covers in plan view [m]
+    SupportingPlane plane;        ///< of the whole patch
+    double least_normal_z = 1.0;  ///< of all facets: cosine of the steepest slope [-]
     std::vector<PatchFacet> facets;
     std::vector<PatchEdge> edges;  ///< convex edges only
     std::vector<PatchNode> nodes;  ///< protruding nodes only
@@ -82,6 +90,7 @@ struct TerrainPatch {
     std::vector<std::int32_t> bin_facets;
 
     void clear();
+    void add_facet(const PatchFacet& facet);
     /// Facets whose bin holds the point; empty outside the patch.
     std::span<const std::int32_t> facets_near(const Vec2& p) const;
     std::span<const std::int32_t> facets_in_bin(int column, int row) const {
