@@ -6,6 +6,7 @@
 #include "cli/site_model.hpp"
 #include "gis/results_writer.hpp"
 #include "gis/sha256.hpp"
+#include "scree/dynamics/contact_problem_file.hpp"
 
 #include <algorithm>
 #include <iomanip>
@@ -93,6 +94,21 @@ std::string run_toml(const SiteFile& site, const CampaignResult& result, const f
     return text.str();
 }
 
+/// The first contact problems above the solver's tolerance, named by block.
+void add_hard_problems(const CampaignResult& result, std::size_t most, gis::ResultsPackage& package) {
+    std::int64_t block = -1;
+    int of_block = 0;
+    for (std::size_t k = 0; k < std::min(most, result.hard_problems.size()); ++k) {
+        const HardProblem& hard = result.hard_problems[k];
+        of_block = hard.block == block ? of_block + 1 : 1;
+        block = hard.block;
+        std::ostringstream text;
+        write_contact_problem(text, hard.problem);
+        package.files.push_back(
+            {"contact_problem_" + std::to_string(block) + "_" + std::to_string(of_block) + ".txt", text.str()});
+    }
+}
+
 std::string percent(std::int64_t part, std::int64_t whole) {
     return short_number(whole > 0 ? 100.0 * static_cast<double>(part) / static_cast<double>(whole) : 0.0) + " %";
 }
@@ -171,6 +187,7 @@ ExitCode run_run(const Context& context) {
     package.rasters = campaign_rasters(model, result);
     package.provenance = provenance(site, model, result);
     package.files.push_back({"run.toml", run_toml(site, result, folder)});
+    add_hard_problems(result, static_cast<std::size_t>(site.settings.contact_problems), package);
     gis::write_results(folder, package, context.overwrite);
 
     if (!context.quiet) print_summary(*context.out, model, result, folder);

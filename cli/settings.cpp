@@ -308,7 +308,7 @@ void add_model(std::vector<Setting<SiteSettings>>& keys) {
     keys.push_back(model.number("rest_time", "s", {0, 10}, AT(dynamics.rest_time),
                                 "How long it must stay so before it counts as at rest."));
     keys.push_back(
-        model.number("solver_tolerance", "-", {1e-12, 1e-2}, AT(dynamics.solver.tolerance),
+        model.number("solver_tolerance", "-", {1e-15, 1e-2}, AT(dynamics.solver.tolerance),
                      "Largest residual of a contact problem relative to the velocities in it; smaller is slower."));
     keys.push_back(model.flag("vertices_only", AT(dynamics.vertices_only),
                               "Leave out contacts of terrain tips and crests: only to compare with codes that lack "
@@ -329,6 +329,9 @@ void add_output(std::vector<Setting<SiteSettings>>& keys) {
     keys.push_back(output.path("directory", AT(output_directory), "Folder of the results; --output overrides it."));
     keys.push_back(
         output.integer("trajectories", {0, 1e7}, AT(trajectories), "How many of the first blocks to keep as lines."));
+    keys.push_back(output.integer("contact_problems", {0, 1e6}, AT(contact_problems),
+                                  "How many of the contact problems above solver_tolerance to keep as text files in "
+                                  "contact_problem_BLOCK_NUMBER.txt, for whoever wants to look into them."));
     keys.push_back(output.number("resolution", "m", kNotNegative, AT(result_resolution),
                                  "Cell of the result rasters; 0 takes the model's cells."));
 }

@@ -191,6 +191,7 @@ SiteModel load_site(const SiteFile& site) {
     c.seed = static_cast<std::uint64_t>(s.seed);
     c.result_cells = result_cells(model.terrain.data.grid.shape, s.result_resolution);
     c.kept_trajectories = s.trajectories;
+    c.dynamics.kept_problems = static_cast<int>(s.contact_problems);
     return model;
 }
 

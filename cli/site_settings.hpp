@@ -61,8 +61,9 @@ struct SiteSettings {
     VectorInput deposit_zones{{}, {}, "name"};
 
     std::string output_directory = "out";
-    std::int64_t trajectories = 100;  ///< [-]
-    double result_resolution = 0.0;   ///< 0: that of the model [m]
+    std::int64_t trajectories = 100;     ///< [-]
+    std::int64_t contact_problems = 10;  ///< [-]
+    double result_resolution = 0.0;      ///< 0: that of the model [m]
 };
 
 }  // namespace scree::cli

@@ -173,8 +173,9 @@ private:
         }
     }
 
-    /// Impulses at standing time if a closed contact approaches fast. Newton's law with friction can create energy (Kane's paradox): the restitution
-    /// of the impact is then lowered to the largest share of e, within 1/64, that does not.
+    /// Impulses at standing time if a closed contact approaches fast. Newton's law with friction can create energy (Kane's paradox), and where contacts
+    /// face each other, as in a narrow gully, it may have no solution: the restitution of the impact is then lowered to the largest share of e, within
+    /// 1/64, with which neither happens.
     bool impact() {
         step_.set_contacts(closed_, rotation_matrix(state_.orientation));
         bool fast = false;
@@ -182,26 +183,25 @@ private:
             fast = fast || step_.normal_velocity(c, state_) < -settings_.impact_speed;
         if (!fast) return false;
         ++end_.counters.impacts;
-        const double before = kinetic_energy(body_, state_);
-        RestitutionRule rule{1.0, settings_.restitution_threshold};
-        State after = state_;
-        count(step_.solve(0.0, Vec::Zero(), rule, after));
-        if (kinetic_energy(body_, after) > before * (1.0 + kEnergyTolerance)) {
+        const State before = state_;
+        const double most = kinetic_energy(body_, before) * (1.0 + kEnergyTolerance);
+        ContactSolverReport report;
+        auto possible_with = [&](double share) {
+            state_ = before;
+            report = step_.solve(0.0, Vec::Zero(), {share, settings_.restitution_threshold}, state_);
+            return report.status == SolverStatus::Converged && kinetic_energy(body_, state_) <= most;
+        };
+        if (!possible_with(1.0)) {
             ++end_.counters.restitution_capped;
             double low = 0.0, high = 1.0;
             for (int k = 0; k < 6; ++k) {
-                rule.factor = 0.5 * (low + high);
-                State trial = state_;
-                count(step_.solve(0.0, Vec::Zero(), rule, trial));
-                (kinetic_energy(body_, trial) > before * (1.0 + kEnergyTolerance) ? high : low) = rule.factor;
+                const double middle = 0.5 * (low + high);
+                (possible_with(middle) ? low : high) = middle;
             }
-            rule.factor = low;
-            after = state_;
-            count(step_.solve(0.0, Vec::Zero(), rule, after));
+            possible_with(low);
         }
-        const double energy_before = energy(state_);
-        state_ = after;
-        cap_energy(energy_before);
+        count(report);
+        cap_energy(energy(before));
         if (++impacts_in_a_row_ > kImpactsInARow) finish(StopReason::Failed);
         return true;
     }
@@ -436,7 +436,10 @@ private:
 
     void count(const ContactSolverReport& report) {
         ++end_.counters.contact_problems;
-        if (report.status == SolverStatus::NotConverged) ++end_.counters.unconverged_problems;
+        if (report.status != SolverStatus::NotConverged) return;
+        ++end_.counters.unconverged_problems;
+        if (static_cast<int>(end_.hard_problems.size()) < settings_.kept_problems)
+            end_.hard_problems.push_back(step_.problem());
     }
 
     MotionSegment<Dim> begin_segment(bool in_contact) const {

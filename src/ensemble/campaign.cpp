@@ -25,6 +25,7 @@ struct Partial {
     std::vector<KeptTrajectory> trajectories;
     std::vector<std::int64_t> deposits;
     TrajectoryCounters counters;
+    std::vector<HardProblem> hard_problems;
 };
 
 void run_block(const CampaignInput& input, std::int64_t number, BlockResult& result, Partial& partial) {
@@ -44,6 +45,7 @@ void run_block(const CampaignInput& input, std::int64_t number, BlockResult& res
     result.stop = end.state.position;
     result.time = end.time;
     partial.counters.merge(end.counters);
+    for (const ContactProblem<3>& problem : end.hard_problems) partial.hard_problems.push_back({number, problem});
     if (end.reason == StopReason::Failed) {  // its path is not to be trusted: it counts as failed and nowhere else
         result.done = true;
         return;
@@ -71,12 +73,15 @@ void collect(const CampaignInput& input, tbb::enumerable_thread_specific<Partial
         std::move(partial.trajectories.begin(), partial.trajectories.end(), std::back_inserter(result.trajectories));
         for (std::size_t z = 0; z < partial.deposits.size(); ++z) result.deposits[z].count += partial.deposits[z];
         result.counters.merge(partial.counters);
+        std::move(partial.hard_problems.begin(), partial.hard_problems.end(), std::back_inserter(result.hard_problems));
     }
     std::sort(result.crossings.begin(), result.crossings.end(), [](const ScreenCrossing& a, const ScreenCrossing& b) {
         return std::tie(a.block, a.screen) < std::tie(b.block, b.screen);
     });
     std::sort(result.trajectories.begin(), result.trajectories.end(),
               [](const auto& a, const auto& b) { return a.block < b.block; });
+    std::stable_sort(result.hard_problems.begin(), result.hard_problems.end(),
+                     [](const HardProblem& a, const HardProblem& b) { return a.block < b.block; });
     for (const BlockResult& b : result.blocks) {
         if (!b.done) continue;
         ++result.released;

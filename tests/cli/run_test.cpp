@@ -2,10 +2,13 @@
 // `scree run` and `scree terrain` on quarry_a with few blocks: what is written, and that it is the same whenever it should be.
 #include "cli/program.hpp"
 #include "cli/results.hpp"
+#include "scree/dynamics/contact_problem_file.hpp"
 #include "support/paths.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+
+#include <fstream>
 
 namespace scree::test {
 namespace {
@@ -126,6 +129,27 @@ TEST(Run, BlocksDoNotDependOnHowManyAreThrown) {
     std::map<std::string, Vec3> at;
     for (const PointRow& stop : twenty) at[stop.values.at("block")] = stop.at;
     for (const PointRow& stop : five) EXPECT_EQ(stop.at, at.at(stop.values.at("block")));
+}
+
+TEST(Run, KeepsContactProblemsAboveTheTolerance) {
+    const TempDir folder;
+    auto kept = [&](const std::string& name, const std::string& most) {
+        const fs::path out = folder / name;
+        const Outcome run =
+            run_quarry_a(out, {"--set", "model.solver_tolerance=1e-15", "--set", "output.contact_problems=" + most});
+        EXPECT_EQ(run.code, 0) << run.err;
+        std::vector<fs::path> files;
+        for (const auto& entry : fs::directory_iterator(out))
+            if (entry.path().filename().string().starts_with("contact_problem_")) files.push_back(entry.path());
+        return files;
+    };
+    EXPECT_THAT(kept("none", "0"), IsEmpty());
+    const auto files = kept("three", "3");  // beyond rounding
+    ASSERT_THAT(files, testing::SizeIs(3));
+    for (const fs::path& file : files) {
+        std::ifstream in(file);
+        EXPECT_GT(read_contact_problem<3>(in, file.string()).count, 0);
+    }
 }
 
 TEST(Run, SeedChangesTheBlocks) {

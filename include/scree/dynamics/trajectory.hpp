@@ -39,6 +39,7 @@ struct DynamicsSettings {
     double rest_time = 0.05;     ///< how long it must stay so [s]
     bool vertices_only = false;  ///< leave out terrain tips and crests (only to compare with codes that lack them)
     ContactSolverSettings solver;
+    int kept_problems = 0;  ///< how many of the contact problems above the solver's tolerance a trajectory keeps [-]
 
     bool operator==(const DynamicsSettings&) const = default;
 };
@@ -105,6 +106,7 @@ struct TrajectoryEnd {
     double energy_start = kNaN;  ///< kinetic plus potential, height 0 of the local frame [J]
     double energy_end = kNaN;    ///< [J]
     TrajectoryCounters counters;
+    std::vector<ContactProblem<Dim>> hard_problems;  ///< the first that were left above the tolerance
 };
 
 /// Throws one block and follows it until it rests, leaves the terrain, runs out of time or the computation fails.

@@ -47,6 +47,12 @@ struct KeptTrajectory {
     std::vector<double> speeds;  ///< [m/s]
 };
 
+/// A contact problem that was left above the solver's tolerance.
+struct HardProblem {
+    std::int64_t block = 0;
+    ContactProblem<3> problem;
+};
+
 /// How one block fared.
 struct BlockResult {
     bool done = false;  ///< false if the campaign was stopped before its turn
@@ -94,6 +100,7 @@ struct CampaignResult {
     std::array<std::int64_t, 4> reasons{};  ///< blocks by StopReason
     std::int64_t released = 0;              ///< blocks thrown: the sum of the reasons, always
     TrajectoryCounters counters;
+    std::vector<HardProblem> hard_problems;  ///< by block, at most dynamics.kept_problems of each
     bool interrupted = false;
 };
 
