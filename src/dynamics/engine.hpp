@@ -211,7 +211,8 @@ private:
         impacts_in_a_row_ = 0;
         const State before = state_;
         const double energy_before = energy(before);
-        double h = std::min(settings_.time_step, std::max(settings_.time_limit - time_, 1e-9));
+        double h = std::min({settings_.time_step, std::max(settings_.time_limit - time_, 1e-9),
+                             kMoveInContact * finder_.inner_radius() / std::max(fastest_point(before), 1e-9)});
         step_.set_contacts(closed_, rotation_matrix(before.orientation));
         State after = moved(before, h);
         double overlap = new_overlap(after);
@@ -266,10 +267,10 @@ private:
         });
     }
 
-    /// Length of the step until the first new contact closes, on the path of the full step; not below a sixteenth of the time step.
+    /// Length of the step until the first new contact closes, on the path of the full step; not below a sixteenth of it.
     double shortened(const State& before, const State& after, double h) {
         const Spin turn = 0.5 * (before.spin + after.spin);
-        const double shortest = settings_.time_step / 16.0;
+        const double shortest = h / 16.0;
         double low = 0.0, high = h;
         for (int k = 0; k < 12 && high - low > shortest; ++k) {
             const double t = 0.5 * (low + high);
@@ -483,6 +484,8 @@ private:
     static constexpr double kEnergyTolerance = 1e-12;  ///< relative rise of energy in an impact that is rounding [-]
     static constexpr double kAllowedRise =
         1e-6;  ///< height of fall by which the solver's tolerance may raise the energy of a step [m]
+    static constexpr double kMoveInContact =
+        1.0;  ///< share of the block's thickness that its points move at most in a step with contact [-]
     static constexpr double kPenetrationSlop = 3e-4;  ///< overlap that is left alone [m]
     static constexpr double kSameNormal = 1e-6;       ///< 1 - cosine below which two facets hold a vertex alike [-]
     static constexpr double kSamePlace = 0.02;        ///< of the radius: contacts closer than this are at one place [-]

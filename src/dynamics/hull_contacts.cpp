@@ -268,6 +268,7 @@ void HullContacts::detect(const Vec3& position, const Mat3& rotation, double rea
     contacts.clear();
     passed_by_.clear();
     beyond_rim_ = false;
+    cut_ = 0.0;
     cover(position, reach, Vec2::Zero());
     if (patch_.facets.empty()) return;
     if (patch_.plane.height(position) - block_.radius > reach) return;
@@ -363,6 +364,7 @@ void HullContacts::add_tip_contacts(const Vec3& position, const Mat3& rotation, 
             node_free_until_[k] = odometer_ + outside * kOdometerShare;
             continue;
         }
+        cut_ = std::max(cut_, -outside);
         const auto spokes = std::span(patch_.spokes)
                                 .subspan(static_cast<std::size_t>(node.first), static_cast<std::size_t>(node.count));
         Contact<3> contact;
@@ -421,6 +423,7 @@ void HullContacts::add_crest_contacts(const Vec3& position, const Mat3& rotation
             const double end = face_slope_[left] >= 0.0 ? 0.0 : 1.0;
             const Eigen::Index face = end == 0.0 ? left : right;
             const double outside = face_value_[face] + end * face_slope_[face];
+            cut_ = std::max(cut_, -outside);
             if (outside > reach)
                 edge_free_until_[k] = odometer_ + outside * kOdometerShare;
             else
@@ -439,6 +442,7 @@ void HullContacts::add_crest_contacts(const Vec3& position, const Mat3& rotation
             edge_free_until_[k] = odometer_ + outside * kOdometerShare;
             continue;
         }
+        cut_ = std::max(cut_, -outside);
         const double share =
             -face_slope_[right] /
             (face_slope_[left] - face_slope_[right]);  // of left: the sum is perpendicular to the crest

@@ -36,6 +36,10 @@ public:
     /// it would touch there is not known, and coming back it would meet the ground from the side.
     bool beyond_rim() const { return beyond_rim_; }
 
+    /// How deep the deepest terrain tip or crest was inside the block at the last look, whether a contact or not: one that is deeper in than any contact
+    /// can be is none [m]. Zero: the block is free of them.
+    double cut() const { return cut_; }
+
     double radius() const { return block_.radius; }
     double inner_radius() const { return block_.inner_radius; }
 
@@ -93,6 +97,7 @@ private:
     TerrainPatch patch_;
     bool covered_ = false;
     bool beyond_rim_ = false;
+    double cut_ = 0.0;
     std::vector<double> node_height_;  ///< of each tip of the patch over its plane: zero or less [m]
     std::vector<double> edge_height_;  ///< of the higher end of each crest [m]
     double odometer_ = 0.0;  ///< how far any point of the body can have moved since the start, from look to look [m]

@@ -66,13 +66,17 @@ inline Space<2>::Spin free_spin(const Space<2>::Spin&, const Space<2>::Spin& spi
     return spin;
 }
 
+/// Angle that a step of free rotation turns at most: beyond it the expansions below lose their accuracy [rad].
+inline constexpr double kLargestTurn = 0.2;
+
 /// Torque-free rotation over dt: Runge-Kutta 4 for Omega, fourth-order Magnus expansion for the orientation (Iserles & Norsett 1999), in
-/// equal steps of at most `longest` [s].
+/// steps of at most `longest` [s], shorter where the body spins fast.
 inline void rotate_freely(const Vec3& moment, double longest, double dt, Quat& orientation, Vec3& spin) {
-    const int steps = std::max(1, static_cast<int>(std::ceil(dt / longest - 1e-9)));
-    const double h = dt / steps;
     auto rate = [&](const Vec3& w) -> Vec3 { return gyroscopic_torque(moment, w).cwiseQuotient(moment); };
-    for (int k = 0; k < steps; ++k) {
+    while (dt > 0.0) {
+        const double steps = std::ceil(dt * std::max(1.0 / longest, spin.norm() / kLargestTurn) - 1e-9);
+        const double h = steps > 1.0 ? dt / steps : dt;
+        dt = steps > 1.0 ? dt - h : 0.0;
         const Vec3 k1 = rate(spin), k2 = rate(spin + 0.5 * h * k1), k3 = rate(spin + 0.5 * h * k2),
                    k4 = rate(spin + h * k3);
         const Vec3 next = spin + h / 6.0 * (k1 + 2.0 * k2 + 2.0 * k3 + k4);

@@ -57,7 +57,7 @@ double clearing_lift(const ConvexBlock& block, const BlockState<3>& state, const
     std::vector<Contact<3>> contacts;
     auto is_free = [&](double lift) {
         finder.detect(state.position + lift * Vec3::UnitZ(), rotation, gap, contacts);
-        return contacts.empty();
+        return contacts.empty() && finder.cut() <= 0.0;
     };
     if (is_free(0.0)) return 0.0;
     double low = 0.0, high = std::max(gap, 0.1 * block.radius);

@@ -78,7 +78,7 @@ TEST(Flight, RotationConvergesWithFourthOrder) {
     const double time = 2.0;
     const BlockState<3> exact = rotated(2.5e-4, time);
     double previous = 0.0;
-    for (const double h : {0.08, 0.04, 0.02, 0.01}) {
+    for (const double h : {0.04, 0.02, 0.01}) {  // longer steps are cut: kLargestTurn
         StateDeviation error;
         error.add(rotated(h, time), exact);
         if (previous > 0.0) {
