@@ -174,6 +174,29 @@ const std::vector<WalkFacet>& FacetWalk::around(const Spot& spot) {
     return around_;
 }
 
+std::optional<FacetWalk::Step> FacetWalk::step(const Spot& spot, const Vec2& direction) {
+    constexpr double kAlong = 1e-12;  // [-] a direction that points into no facet by more goes along an edge
+    const WalkFacet* facet = nullptr;
+    double inward = -kAlong;
+    for (const WalkFacet& candidate : around(spot)) {
+        const double in = points_into(candidate, spot, direction);
+        if (in <= inward) continue;
+        inward = in;
+        facet = &candidate;
+    }
+    if (!facet) return std::nullopt;
+    if (inward > kAlong) return Step{leave_facet(*facet, spot, direction), *facet};
+    Step along{spot, *facet};
+    double best = -kInfinity;
+    for (const Vec3& node : edges_at(around_, spot).node) {
+        const double ahead = (node.head<2>() - spot.at).normalized().dot(direction);
+        if (ahead <= best) continue;
+        best = ahead;
+        along.to = spot_at_node(node);
+    }
+    return along;
+}
+
 std::optional<FacetWalk::Side> FacetWalk::rim_side(const Spot& spot) {
     const std::vector<WalkFacet>& facets = around(spot);
     for (const WalkFacet& facet : facets) {

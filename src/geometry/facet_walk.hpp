@@ -63,6 +63,12 @@ public:
     const Surface& surface() const { return surface_; }
     /// The facets that the spot lies in or on, by number: one, two, or the fan around a node; fewer at the rim. Valid until the next call.
     const std::vector<WalkFacet>& around(const Spot& spot);
+    /// Straight on to the next edge or node. None where there is no terrain ahead.
+    struct Step {
+        Spot to;
+        WalkFacet through;  ///< the facet, or one beside the edge that the step goes along
+    };
+    std::optional<Step> step(const Spot& spot, const Vec2& direction);
     /// Is the spot on the outer outline of the terrain? False inside, and on the outline of a hole: there the outline runs the other way
     /// round.
     bool on_outer_rim(const Spot& spot);

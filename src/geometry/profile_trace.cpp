@@ -116,64 +116,31 @@ private:
 /// Straight on from facet to facet; `heading` says whereto, anew at every edge, and says nothing when it is there.
 Leg ProfileTracer::Implementation::straight(const Spot& from, const Heading& heading, Course course,
                                             const Limits& limits) {
-    constexpr double kAlong = 1e-12;  // [-] a direction that points into no facet by more goes along an edge
     Leg leg = leg_from(from);
-    const double top = level_at(walk_, levels_, from);
-    double lowest = top;
-    for (;;) {
-        const std::optional<Vec2> wanted = heading(leg.spot);
-        if (!wanted) {
+    const bool watches_level = limits.to_steep_ground || limits.rise < kInfinity;
+    const double top = watches_level ? level_at(walk_, levels_, from) : 0.0;
+    double level = top, lowest = top;
+    while (leg.end == Leg::End::Going) {
+        const std::optional<Vec2> direction = heading(leg.spot);
+        if (!direction) {
             leg.end = Leg::End::Arrived;
-            return leg;
-        }
-        const Vec2 direction = *wanted;
-        if (limits.to_steep_ground && level_at(walk_, levels_, leg.spot) < top && steep_onwards(leg.spot, direction)) {
+        } else if (limits.to_steep_ground && level < top && steep_onwards(leg.spot, *direction)) {
             leg.end = Leg::End::SteepGround;
-            return leg;
-        }
-        const std::vector<WalkFacet>& around = walk_.around(leg.spot);
-        const WalkFacet* facet = nullptr;
-        double inward = -kAlong;
-        for (const WalkFacet& candidate : around) {
-            const double in = points_into(candidate, leg.spot, direction);
-            if (in <= inward) continue;
-            inward = in;
-            facet = &candidate;
-        }
-        if (!facet) {
+        } else if (const std::optional<FacetWalk::Step> step = walk_.step(leg.spot, *direction); !step) {
             leg.end = Leg::End::Edge;
-            return leg;
-        }
-        const SoilId soil = facet->soil;
-        Spot next;
-        if (inward > kAlong) {
-            next = leave_facet(*facet, leg.spot, direction);
         } else {
-            // along an edge of this facet: to its end
-            double best = -kInfinity;
-            for (const Vec3& node : edges_at(around, leg.spot).node) {
-                const Vec2 along = (node.head<2>() - leg.spot.at).normalized();
-                if (along.dot(direction) <= best) continue;
-                best = along.dot(direction);
-                next = spot_at_node(node);
-            }
-        }
-        const double step = (next.at - leg.spot.at).norm();
-        if (leg.length + step > limits.length) {
-            const Vec2 stop = leg.spot.at + (limits.length - leg.length) / step * (next.at - leg.spot.at);
-            const Spot last = spot_in(*facet, stop);
-            leg.go(last, walk_.height(last), soil, course);
-            leg.end = Leg::End::TooLong;
-            return leg;
-        }
-        leg.go(next, walk_.height(next), soil, course);
-        const double level = level_at(walk_, levels_, next);
-        lowest = std::min(lowest, level);
-        if (level - lowest > limits.rise) {
-            leg.end = Leg::End::Blocked;
-            return leg;
+            const double length = (step->to.at - leg.spot.at).norm(), left = limits.length - leg.length;
+            const bool stops = length > left;
+            const Spot to =
+                stops ? spot_in(step->through, leg.spot.at + left / length * (step->to.at - leg.spot.at)) : step->to;
+            leg.go(to, walk_.height(to), step->through.soil, course);
+            if (watches_level) level = level_at(walk_, levels_, to);
+            lowest = std::min(lowest, level);
+            if (stops) leg.end = Leg::End::TooLong;
+            if (level - lowest > limits.rise) leg.end = Leg::End::Blocked;
         }
     }
+    return leg;
 }
 
 /// Straight to a place, which becomes a vertex.
