@@ -31,6 +31,8 @@ constexpr std::array kCommands{
     Command{"check", "Read and judge every input of a site; nothing is run", Target::Site, false, false, run_check},
     Command{"terrain", "Write the model terrain as layers: heights, slope, facets with soils", Target::Site, true,
             false, run_terrain},
+    Command{"profile", "Trace steepest-slope profiles: lines with soils, tables and pictures", Target::Site, true,
+            false, run_profile},
     Command{"run", "Throw the blocks of a site and write results for a GIS", Target::Site, true, true, run_run},
     Command{"settings", "Print the reference manual of all keys of the site file", Target::None, false, false,
             run_settings},

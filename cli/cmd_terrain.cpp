@@ -3,6 +3,7 @@
 #include "cli/commands.hpp"
 #include "cli/settings.hpp"
 #include "cli/site_model.hpp"
+#include "cli/terrain_layers.hpp"
 #include "gis/results_writer.hpp"
 #include "scree/base/units.hpp"
 
@@ -41,20 +42,6 @@ gis::VectorLayer facets_layer(const SiteTerrain& terrain) {
         ++f;
         return true;
     };
-    return layer;
-}
-
-gis::RasterLayer heights_layer(const SiteTerrain& terrain) {
-    gis::RasterLayer layer;
-    layer.name = "model_height_m";
-    layer.title = "Model terrain";
-    layer.unit = "m";
-    layer.quantity_definition = "height of the model terrain at the centre of the cell, in the datum of the DTM";
-    layer.theme = gis::RasterTheme::Terrain;
-    layer.visible = true;
-    layer.values = Grid<float>(terrain.data.grid.shape);
-    for (std::size_t k = 0; k < terrain.data.grid.values.size(); ++k)
-        layer.values.values[k] = static_cast<float>(terrain.data.grid.values[k] + terrain.data.frame.height);
     return layer;
 }
 

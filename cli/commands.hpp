@@ -40,6 +40,7 @@ struct Context {
 ExitCode run_init(const Context& context);
 ExitCode run_check(const Context& context);
 ExitCode run_terrain(const Context& context);
+ExitCode run_profile(const Context& context);
 ExitCode run_run(const Context& context);
 ExitCode run_settings(const Context& context);
 

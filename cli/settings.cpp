@@ -315,6 +315,58 @@ void add_model(std::vector<Setting<SiteSettings>>& keys) {
                               "them; blocks then sink into crests."));
 }
 
+void add_profile(std::vector<Setting<SiteSettings>>& keys) {
+    const Row<SiteSettings> profile{"profile"};
+    keys.push_back(profile.choice("mode", kProfileModeNames, AT(profile_mode),
+                                  "steepest: steepest lines from starting points. guided: steepest lines held near "
+                                  "guiding lines, from the first point "
+                                  "of each. line: the section of the terrain along the guiding lines."));
+    keys.push_back(profile.path("start", AT(profile_start.file),
+                                "steepest: points, lines or polygons to start from; empty takes release.file."));
+    keys.push_back(
+        profile.text("start_layer", AT(profile_start.layer), "Layer of that file; empty if it has only one."));
+    keys.push_back(profile.number(
+        "spacing", "m", kNotNegative, AT(profile_spacing),
+        "steepest: distance of starting points in polygons and along lines; 0: one per feature, in its middle."));
+    keys.push_back(profile.path("guide", AT(profile_guide.file), "guided, line: lines, drawn downhill."));
+    keys.push_back(
+        profile.text("guide_layer", AT(profile_guide.layer), "Layer of that file; empty if it has only one."));
+    keys.push_back(profile.number("guide_width", "m", {0.1, 1000}, AT(profile.guide_width),
+                                  "guided: at this distance the guide pulls as a slope of 45 degrees would, nearer in "
+                                  "proportion. Larger leaves the line more freedom."));
+    keys.push_back(profile.number("smoothing", "m", {0, 100}, AT(profile.smoothing),
+                                  "Directions are those of the terrain averaged over this radius, heights never are; 0 "
+                                  "follows each facet. Larger straightens lines and cuts the corners of gullies."));
+    keys.push_back(profile.number("gentle_slope_deg", "deg", {0, 45}, AT(profile_gentle_slope_deg),
+                                  "Where the averaged ground falls by less (tracks, platforms, pits), the line goes "
+                                  "straight on in the direction of the "
+                                  "slope above until steeper, lower ground. 0: in pits only."));
+    keys.push_back(profile.number("memory", "m", {0.1, 1000}, AT(profile.memory),
+                                  "The direction of the slope above is that of the line's last metres, this many."));
+    keys.push_back(
+        profile.number("longest_crossing", "m", {0, 1e4}, AT(profile.longest_crossing),
+                       "A line that finds no steep ground within this length on gentle ground ends there: flat."));
+    keys.push_back(profile.number("highest_rise", "m", {0, 100}, AT(profile.highest_rise),
+                                  "Largest climb of the averaged ground on a crossing. A line that would climb more "
+                                  "takes the way down the gentle ground, "
+                                  "if that gets steep again, or ends: pit."));
+    keys.push_back(profile.number("run_up", "m", {0, 1e4}, AT(profile.run_up),
+                                  "Ground behind a pit in which a line ends, straight on, for blocks to run up."));
+    keys.push_back(profile.number("head", "m", {0, 1e3}, AT(profile.head),
+                                  "Ground above the starting point, and above the release polygon around it."));
+    keys.push_back(profile.number("longest", "m", {1, 1e6}, AT(profile.longest),
+                                  "A line longer than this from its starting point ends: length_limit."));
+    keys.push_back(
+        profile.choice("converging", kConvergingNames, AT(profile_converging),
+                       "Lines that run into earlier ones. keep: they stay whole, as a 2D model wants them. merge: the "
+                       "later one ends at the "
+                       "junction: merged. drop: it is left out if more than half of it is shared. All are reported."));
+    keys.push_back(profile.number("merge_distance", "m", {1e-3, 1000}, AT(profile_merge_distance),
+                                  "Lines this near to each other run together."));
+    keys.push_back(profile.integer("pictures", {0, 1000}, AT(profile_pictures),
+                                   "How many of the first profiles to draw, one picture each."));
+}
+
 void add_output(std::vector<Setting<SiteSettings>>& keys) {
     const Row<SiteSettings> screens{"screens"}, deposits{"deposit_zones"}, output{"output"};
     keys.push_back(screens.path(
@@ -345,6 +397,7 @@ std::span<const Setting<SiteSettings>> site_keys() {
         add_blocks(k);
         add_release(k);
         add_model(k);
+        add_profile(k);
         add_output(k);
         return k;
     }();
@@ -377,6 +430,8 @@ std::string section_help(const std::string& section) {
     if (section == "release") return "Where and how blocks start.";
     if (section == "model")
         return "The mechanics. Change with care: the defaults are those at which the statistics have converged.";
+    if (section == "profile")
+        return "Profiles of the terrain along lines of steepest slope: `scree profile`, the ground of a 2D model.";
     if (section == "screens") return "Where passing blocks are measured.";
     if (section == "deposit_zones") return "Where stopped blocks are counted.";
     if (section == "output") return "What is written where.";

@@ -184,6 +184,9 @@ void check_together(const SiteFile& site) {
     ordered(s.dynamics.activation_gap, s.dynamics.release_gap, "model.activation_gap", "model.release_gap");
     require(s.shape != BlockShape::File || !s.shape_file.empty(),
             file + ": blocks.shape = \"file\" needs blocks.shape_file");
+    require(s.profile_mode == ProfileMode::Steepest || !s.profile_guide.file.empty(),
+            file + ": profile.mode = \"" + kProfileModeNames[static_cast<std::size_t>(s.profile_mode)] +
+                "\" needs profile.guide, a file of lines");
     if (!s.default_soil.empty()) {
         std::string names;
         bool found = false;

@@ -28,30 +28,6 @@ gis::SoilZoneSettings zone_settings(const SiteSettings& s) {
     return zones;
 }
 
-std::vector<Screen> make_screens(const gis::VectorData& data, const std::string& field) {
-    const std::vector<std::string> names = gis::text_field(data, field);
-    std::vector<Screen> screens;
-    auto add_ring = [&](const std::string& name, const Ring& ring) {
-        Screen screen{name, ring};
-        screen.line.push_back(ring.front());
-        screens.push_back(screen);
-    };
-    for (std::size_t k = 0; k < data.layer.features.size(); ++k) {
-        const Geometry& geometry = data.layer.features[k].geometry;
-        if (const auto* lines = std::get_if<Polylines>(&geometry)) {
-            // the parts of one feature are one screen: joined by their own end points only, never by a bridge
-            for (const Polyline& line : *lines) {
-                Screen screen{names[k], {}};
-                for (const Vec3& p : line.points) screen.line.push_back(p.head<2>());
-                screens.push_back(screen);
-            }
-        } else if (const auto* polygons = std::get_if<MultiPolygon>(&geometry)) {
-            for (const Polygon& polygon : *polygons) add_ring(names[k], polygon.outer);
-        }
-    }
-    return screens;
-}
-
 std::vector<DepositZone> make_deposit_zones(const gis::VectorData& data, const std::string& field) {
     const std::vector<std::string> names = gis::text_field(data, field);
     std::vector<DepositZone> zones;
@@ -91,6 +67,30 @@ GridShape result_cells(const GridShape& model, double resolution) {
 }
 
 }  // namespace
+
+std::vector<Screen> make_screens(const gis::VectorData& data, const std::string& field) {
+    const std::vector<std::string> names = gis::text_field(data, field);
+    std::vector<Screen> screens;
+    auto add_ring = [&](const std::string& name, const Ring& ring) {
+        Screen screen{name, ring};
+        screen.line.push_back(ring.front());
+        screens.push_back(screen);
+    };
+    for (std::size_t k = 0; k < data.layer.features.size(); ++k) {
+        const Geometry& geometry = data.layer.features[k].geometry;
+        if (const auto* lines = std::get_if<Polylines>(&geometry)) {
+            // the parts of one feature are one screen: joined by their own end points only, never by a bridge
+            for (const Polyline& line : *lines) {
+                Screen screen{names[k], {}};
+                for (const Vec3& p : line.points) screen.line.push_back(p.head<2>());
+                screens.push_back(screen);
+            }
+        } else if (const auto* polygons = std::get_if<MultiPolygon>(&geometry)) {
+            for (const Polygon& polygon : *polygons) add_ring(names[k], polygon.outer);
+        }
+    }
+    return screens;
+}
 
 SiteTerrain load_terrain(const SiteFile& site) {
     const SiteSettings& s = site.settings;

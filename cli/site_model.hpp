@@ -40,6 +40,9 @@ SiteModel load_site(const SiteFile& site);
 gis::VectorData read_site_layer(const SiteFile& site, const VectorInput& input, const char* purpose,
                                 std::vector<GeometryKind> kinds, const SiteTerrain& terrain);
 
+/// Lines, or outlines of polygons, with the names in the field.
+std::vector<Screen> make_screens(const gis::VectorData& data, const std::string& field);
+
 /// The points of a block shape from text (x y z per line), OBJ or STL.
 std::vector<Vec3> read_shape_points(const std::filesystem::path& file);
 

@@ -4,6 +4,7 @@
 #include "scree/dynamics/trajectory.hpp"
 #include "scree/ensemble/population.hpp"
 #include "scree/ensemble/release.hpp"
+#include "scree/geometry/profile_trace.hpp"
 
 #include <array>
 #include <cstdint>
@@ -17,6 +18,9 @@ inline constexpr std::array<const char*, 2> kSurfaceKindNames{"grid", "tin"};
 
 enum class BlockOrder { Random, InTurn };
 inline constexpr std::array<const char*, 2> kBlockOrderNames{"random", "in_turn"};
+
+enum class ProfileMode { Steepest, Guided, Line };
+inline constexpr std::array<const char*, 3> kProfileModeNames{"steepest", "guided", "line"};
 
 /// A vector file with the layer and field that matter. An empty file means: not given.
 struct VectorInput {
@@ -56,6 +60,16 @@ struct SiteSettings {
     std::int64_t dimension = 3;  ///< [-]
     DynamicsSettings dynamics;
     std::int64_t seed = 1;  ///< [-]
+
+    ProfileMode profile_mode = ProfileMode::Steepest;
+    VectorInput profile_start;               ///< empty: the release
+    VectorInput profile_guide;               ///< of the modes guided and line
+    double profile_spacing = 0.0;            ///< 0: one per feature [m]
+    ProfileSettings profile;                 ///< without the angle
+    double profile_gentle_slope_deg = 15.0;  ///< [deg]
+    Converging profile_converging = Converging::Keep;
+    double profile_merge_distance = 1.0;  ///< [m]
+    std::int64_t profile_pictures = 12;   ///< [-]
 
     VectorInput screens{{}, {}, "name"};
     VectorInput deposit_zones{{}, {}, "name"};

@@ -190,6 +190,12 @@ std::vector<double> round_limits(double low, double high, std::size_t classes) {
     return limits;
 }
 
+std::string category_colour(std::size_t number) {
+    constexpr std::array<const char*, 8> kColours{"#e69f00", "#0072b2", "#009e73", "#d55e00",
+                                                  "#56b4e9", "#cc79a7", "#f0e442", "#555555"};
+    return kColours[number % kColours.size()];
+}
+
 std::vector<VectorStyle> house_styles(const FeatureLayer& layer) {
     const std::string& name = layer.name;
     if (name == "stopping_points") return stopping_point_styles(layer);

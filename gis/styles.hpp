@@ -57,6 +57,10 @@ std::vector<VectorStyle> house_styles(const FeatureLayer& layer);
 /// Colour of place `index` among `count` classes, light to dark, "#rrggbb".
 std::string ramp_colour(Ramp ramp, std::size_t index, std::size_t count);
 
+/// Colour of a category that has no colour of its own (a soil) by its number: Okabe & Ito's, the order of which is changed so that the first
+/// ones stand out from grey relief; they repeat, "#rrggbb".
+std::string category_colour(std::size_t number);
+
 /// Round limits that cut [low, high] into about `classes` classes: 1-2-5 or decades where the values span more than a
 /// factor of 20, equal steps otherwise. Ascending and strictly inside.
 std::vector<double> round_limits(double low, double high, std::size_t classes = 7);

@@ -50,6 +50,8 @@ const UsageCase kUsage[] = {
     {"HelpInit", {"init", "--help"}, 0, "FOLDER", ""},
     {"HelpCheck", {"check", "--help"}, 0, "--set", ""},
     {"HelpTerrain", {"terrain", "--help"}, 0, "--overwrite", ""},
+    {"HelpProfile", {"profile", "--help"}, 0, "--overwrite", ""},
+    {"ProfileTakesNoThreads", {"profile", kQuarry, "--threads", "2"}, 2, "", "--threads; see scree profile --help"},
     {"HelpRun", {"run", "--help"}, 0, "--threads", ""},
     {"HelpSettings", {"settings", "--help"}, 0, "--format", ""},
     {"SettingsForAReader", {"settings"}, 0, "| `rolling` | m |", ""},

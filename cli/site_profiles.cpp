@@ -1,0 +1,112 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "cli/site_profiles.hpp"
+
+#include "scree/base/error.hpp"
+#include "scree/base/units.hpp"
+
+#include <utility>
+
+namespace scree::cli {
+
+namespace {
+
+constexpr std::size_t kMostProfiles = 2000;  // more would be a map, not sections [-]
+
+ProfileSettings profile_settings(const SiteSettings& s) {
+    ProfileSettings settings = s.profile;
+    settings.gentle_slope = radians_from_degrees(s.profile_gentle_slope_deg);
+    return settings;
+}
+
+void require_few(std::size_t count, const std::string& file, const std::string& what) {
+    if (count > kMostProfiles)
+        throw InputError(file + ": " + std::to_string(count) + " " + what + "; at most " +
+                         std::to_string(kMostProfiles) +
+                         " are possible: choose a larger profile.spacing, or fewer features");
+}
+
+/// Lines from points, lines and polygons.
+void trace_from_starts(const SiteSettings& s, const SiteTerrain& terrain, ProfileTracer& tracer, SiteProfiles& out) {
+    const FeatureLayer& layer = out.features.layer;
+    const std::vector<ProfileStart> starts = profile_starts(layer, s.profile_spacing);
+    require_few(starts.size(), out.source, "starting points");
+    std::size_t outside = 0, level = 0;
+    for (const ProfileStart& start : starts) {
+        if (terrain.surface->facet_at(start.at) < 0) {
+            ++outside;
+            continue;
+        }
+        const auto* polygons = std::get_if<MultiPolygon>(&layer.features[start.feature].geometry);
+        const Region area = polygons ? Region(*polygons) : Region();
+        ProfileTrace trace = tracer.steepest(start.at, polygons ? &area : nullptr);
+        if (trace.profile.empty())
+            ++level;
+        else
+            out.traces.push_back(std::move(trace));
+    }
+    const std::string of = " of " + std::to_string(starts.size()) + " starting points ";
+    if (out.traces.empty())
+        throw InputError(out.source + ": no profile can begin there: " + std::to_string(outside) + of +
+                         "lie off the terrain or over a hole of it, " + std::to_string(level) +
+                         " on level ground; move them, or name others in profile.start");
+    if (outside > 0)
+        out.warnings.push_back(out.source + ": " + std::to_string(outside) + of +
+                               "lie off the terrain or over a hole of it: no profile begins there");
+    if (level > 0)
+        out.warnings.push_back(out.source + ": " + std::to_string(level) + of +
+                               "lie on level ground, which has no direction to go: no profile begins there");
+}
+
+/// Lines along guides.
+void trace_guides(const SiteSettings& s, const SiteTerrain& terrain, ProfileTracer& tracer, SiteProfiles& out) {
+    std::size_t count = 0;
+    for (const Feature& feature : out.features.layer.features) {
+        const auto* lines = std::get_if<Polylines>(&feature.geometry);
+        if (!lines) continue;
+        require_few(count += lines->size(), out.source, "lines");
+        for (const Polyline& line : *lines) {
+            std::vector<Vec2> plan;
+            for (const Vec3& p : line.points) plan.emplace_back(p.head<2>());
+            const std::string which = out.source + ", feature " + std::to_string(feature.id);
+            if (plan.empty() || terrain.surface->facet_at(plan.front()) < 0)
+                throw InputError(which +
+                                 ": the line begins off the terrain or over a hole of it; let it begin on the terrain");
+            ProfileTrace trace = s.profile_mode == ProfileMode::Guided ? tracer.guided(plan) : tracer.along(plan);
+            if (trace.profile.empty())
+                throw InputError(which +
+                                 ": no profile can be led along this line: it has no length, or the ground is level "
+                                 "at its first point");
+            if (s.profile_mode == ProfileMode::Line && trace.end != ProfileEnd::LineEnd)
+                out.warnings.push_back(which + ": the line leaves the terrain at s = " +
+                                       std::to_string(static_cast<int>(trace.profile.length())) +
+                                       " m: the profile ends there");
+            out.traces.push_back(std::move(trace));
+        }
+    }
+    if (out.traces.empty()) throw InputError(out.source + ": there is no line in it");
+}
+
+}  // namespace
+
+SiteProfiles trace_site_profiles(const SiteFile& site, const SiteTerrain& terrain) {
+    const SiteSettings& s = site.settings;
+    const bool free = s.profile_mode == ProfileMode::Steepest;
+    VectorInput input = !free ? s.profile_guide : !s.profile_start.file.empty() ? s.profile_start : s.release;
+    std::vector<GeometryKind> kinds{GeometryKind::LineString};
+    if (free) kinds = {GeometryKind::Polygon, GeometryKind::LineString, GeometryKind::Point};
+
+    SiteProfiles out;
+    out.source = input.file;
+    out.features = read_site_layer(site, input, free ? "starting points of profiles" : "guiding lines", kinds, terrain);
+    out.inputs.push_back(site.resolve(input.file).string());
+    out.warnings = out.features.report.warnings;
+    ProfileTracer tracer(*terrain.surface, profile_settings(s));
+    if (free)
+        trace_from_starts(s, terrain, tracer, out);
+    else
+        trace_guides(s, terrain, tracer, out);
+    out.left_out = find_junctions(out.traces, s.profile_merge_distance, s.profile_converging);
+    return out;
+}
+
+}  // namespace scree::cli
