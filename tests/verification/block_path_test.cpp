@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // One block of 45 vertices on a plane and on a valley slope, against reference solutions e1 and c1.
+#include "support/block_set.hpp"
 #include "support/motion.hpp"
 #include "support/paths.hpp"
 #include "support/reference.hpp"
@@ -7,34 +8,11 @@
 
 #include <gtest/gtest.h>
 
-#include <fstream>
 #include <string>
 
 namespace scree::test {
 
 namespace {
-
-std::vector<Vec3> read_points(const std::filesystem::path& path) {
-    std::vector<Vec3> points;
-    for (const auto& row : read_csv(path)) points.emplace_back(row.at(0), row.at(1), row.at(2));
-    return points;
-}
-
-/// ESRI ASCII grid as a surface whose nodes are the grid's corners, as the reference reads it.
-std::unique_ptr<Surface> read_terrain(const std::filesystem::path& path) {
-    std::ifstream in(path);
-    std::string word;
-    GridShape shape;
-    double x = 0.0, y = 0.0, nodata = 0.0;
-    in >> word >> shape.columns >> word >> shape.rows >> word >> x >> word >> y >> word >> shape.cell >> word >> nodata;
-    shape.origin = Vec2(x, y) - Vec2::Constant(0.5 * shape.cell);
-    Grid<double> heights(shape);
-    for (int j = shape.rows - 1; j >= 0; --j)
-        for (int i = 0; i < shape.columns; ++i) in >> heights.at(i, j);
-    if (!in) throw std::runtime_error(path.string() + ": short file");
-    std::vector<SoilId> soil(grid_facet_count(shape), 0);
-    return make_grid_surface(std::move(heights), std::move(soil));
-}
 
 /// Block 0 of the references on one of their terrains.
 struct Block0 {
@@ -48,7 +26,7 @@ struct Block0 {
 
     Block0(const std::filesystem::path& folder, const ReferenceCase& reference, bool on_terrain)
         : body(read_points(folder / "block0_vertices.csv"), reference.number("mass")), rows(reference.path()) {
-        surface = on_terrain ? read_terrain(folder / "path_a.asc")
+        surface = on_terrain ? read_node_grid(folder / "path_a.asc")
                              : inclined_plane(reference.number("alpha_deg") * kDegree, 60.0);
         soils = {Soil{"slope", reference.number("e"), reference.number("mu"), reference.number("mu_r")}};
         if (on_terrain) {  // more digits than the CSV file
