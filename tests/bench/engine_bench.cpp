@@ -1,144 +1,215 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// How fast the engine is, on one core, on the sample site quarry_a: smooth as it is, and rough with independent noise on every node of the terrain.
-// Times of different runs do not compare, processors are shared and change their clock: compare rows of one run.
-#include "dynamics/contact_step.hpp"
+// The parts of the engine, on one core: hulls, detection, solver, flight. Things per second of CPU time, and per 1e9 dependent additions.
+#include "bench/scenes.hpp"
 #include "dynamics/hull_contacts.hpp"
 
-#include "cli/site_model.hpp"
 #include "scree/base/random.hpp"
-#include "scree/ensemble/campaign.hpp"
+#include "scree/dynamics/contact_solver.hpp"
+#include "scree/dynamics/trajectory.hpp"
 
-#include <benchmark/benchmark.h>
+#include <Eigen/Geometry>
 
-#include <atomic>
+#include <algorithm>
+#include <cmath>
+#include <vector>
 
 namespace scree::bench {
 
 namespace {
 
-constexpr double kRoughness = 0.05;    ///< half width of the noise [m]
-constexpr std::int64_t kBlocks = 200;  ///< of a campaign [-]
+constexpr double kReach = 0.05;  ///< gaps that detection is asked for [m]
+constexpr double kStep = 4e-3;   ///< time between two looks [s]
+constexpr int kTracks = 32;      ///< places on the slope [-]
+constexpr int kLooks = 16;       ///< at each of them, as the block rolls on [-]
+constexpr int kProblems = 64;    ///< contact problems of one size [-]
+constexpr double kSlope = 35.0;  ///< length of the upper slope of the site [m]
 
-/// The sample site, with the surface that the benchmarks use.
-struct Scene {
-    cli::SiteModel site;
-    std::unique_ptr<Surface> surface;
-
-    explicit Scene(bool rough)
-        : site(cli::load_site(cli::read_site_file(SCREE_SOURCE_DIR "/sample_sites/quarry_a/site.toml", {}))) {
-        Grid<double> heights = site.terrain.data.grid;
-        std::vector<SoilId> soils(grid_facet_count(heights.shape), 0);
-        for (std::size_t f = 0; f < soils.size(); ++f) {
-            std::array<Vec3, 3> corners;
-            site.terrain.surface->facet(static_cast<std::int64_t>(f), corners, soils[f]);
-        }
-        RandomStream random(1, 1, RandomPurpose::Effect);
-        for (double& z : heights.values) z += rough ? random.uniform(-kRoughness, kRoughness) : 0.0;
-        surface = make_grid_surface(std::move(heights), std::move(soils));
-        site.campaign.surface = surface.get();
-        site.campaign.threads = 1;
-        site.campaign.release.count = kBlocks;
-        site.campaign.kept_trajectories = 0;
-    }
-
-    static const Scene& get(bool rough) {
-        static const Scene smooth_scene(false), rough_scene(true);
-        return rough ? rough_scene : smooth_scene;
-    }
-    ConvexBlock block(std::uint64_t number) const {
-        return draw_block(site.campaign.population, site.campaign.seed, number).body;
-    }
-    BlockState<3> release(const ConvexBlock& block, std::uint64_t number) const {
-        std::int64_t feature = 0;
-        double raised = 0.0;
-        return draw_release(site.campaign.release, *site.area, *surface, block, site.campaign.seed, number, feature,
-                            raised);
-    }
-};
-
-/// Arguments: rough, mode, threads. Blocks per second as items; what one block costs in steps beside it.
-void campaign(benchmark::State& state) {
-    CampaignInput input = Scene::get(state.range(0) != 0).site.campaign;
-    input.dynamics.mode = state.range(1) == 0 ? SteppingMode::Event : SteppingMode::MoreauJean;
-    if (input.dynamics.mode == SteppingMode::MoreauJean) input.dynamics.time_step = 1e-3;
-    input.threads = static_cast<int>(state.range(2));
-    TrajectoryCounters counters;
-    const std::atomic<bool> stop{false};
-    std::int64_t blocks = 0;
-    for (auto _ : state) {
-        const CampaignResult result = run_campaign(input, {}, stop);
-        counters.merge(result.counters);
-        blocks += result.released;
-    }
-    const auto per_block = [&](std::int64_t count) { return static_cast<double>(count) / static_cast<double>(blocks); };
-    state.SetItemsProcessed(blocks);
-    state.counters["contact_steps"] = per_block(counters.contact_steps);
-    state.counters["impacts"] = per_block(counters.impacts);
-    state.counters["flight_looks"] = per_block(counters.flight_evaluations);
-}
-BENCHMARK(campaign)
-    ->ArgNames({"rough", "moreau_jean", "threads"})
-    ->Args({0, 0, 1})
-    ->Args({1, 0, 1})
-    ->Args({0, 0, 2})
-    ->Args({1, 0, 2})
-    ->Args({1, 1, 1})
-    ->Unit(benchmark::kMillisecond)
-    ->UseRealTime();
-
-/// Drawing a block from the list and building its hull.
-void hull(benchmark::State& state) {
-    const Scene& scene = Scene::get(false);
+/// Drawing a block from the list and building its hull of about 50 vertices.
+void hull_build(benchmark::State& state) {
+    const Scene& scene = Scene::get(Ground::Smooth);
     std::uint64_t number = 0;
-    for (auto _ : state) benchmark::DoNotOptimize(scene.block(number++));
+    WorkMeter meter;
+    meter.measure([&] {
+        for (auto _ : state) benchmark::DoNotOptimize(scene.block(number++));
+    });
+    report(state, static_cast<std::int64_t>(number), meter);
 }
-BENCHMARK(hull)->Unit(benchmark::kMicrosecond);
+BENCHMARK(hull_build)->Unit(benchmark::kMicrosecond);
 
-/// Looks along a flight over the slope: what one flight evaluation costs. Argument: rough.
-void flight_look(benchmark::State& state) {
-    const Scene& scene = Scene::get(state.range(0) != 0);
+/// Poses of a block that rolls over the ground, a millimetre above it, look after look.
+std::vector<BlockState<3>> rolling_poses(const Scene& scene, const ConvexBlock& block) {
+    std::vector<BlockState<3>> poses;
+    for (std::uint64_t track = 0; track < kTracks; ++track) {
+        RandomStream random(7, track, RandomPurpose::Effect);
+        BlockState<3> s = scene.release(block, track);
+        s.position.x() += random.uniform(0.0, kSlope);
+        s.velocity = {6.0, 0.0, -4.0};
+        s.spin = {0.0, 8.0, 0.0};
+        for (int look = 0; look < kLooks; ++look) {
+            s.position += kStep * s.velocity;
+            s.orientation = (s.orientation * Quat(Eigen::AngleAxisd(kStep * 8.0, Vec3::UnitY()))).normalized();
+            s.position.z() = scene.surface->height(s.position.head<2>()) + 0.5 * block.inner_radius;
+            s.position.z() += clearing_lift(block, s, *scene.surface, 1e-3);
+            poses.push_back(s);
+        }
+    }
+    return poses;
+}
+
+/// All contacts of a block near the ground. Arguments: rough, with crests and tips.
+void detection(benchmark::State& state) {
+    const Scene& scene = Scene::get(state.range(0) != 0 ? Ground::Rough : Ground::Smooth);
+    const ConvexBlock block = scene.block(7);
+    const std::vector<BlockState<3>> poses = rolling_poses(scene, block);
+    HullContacts finder(block, *scene.surface, state.range(1) == 0);
+    std::vector<Contact<3>> contacts;
+    std::int64_t looks = 0, found = 0;
+    WorkMeter meter;
+    meter.measure([&] {
+        for (auto _ : state) {
+            const BlockState<3>& s = poses[static_cast<std::size_t>(looks) % poses.size()];
+            finder.detect(s.position, s.orientation.toRotationMatrix(), kReach, contacts);
+            found += static_cast<std::int64_t>(contacts.size());
+            ++looks;
+        }
+    });
+    report(state, looks, meter);
+    state.counters["contacts"] = static_cast<double>(found) / static_cast<double>(looks);
+}
+BENCHMARK(detection)
+    ->ArgNames({"rough", "crests"})
+    ->Args({0, 0})
+    ->Args({0, 1})
+    ->Args({1, 0})
+    ->Args({1, 1})
+    ->Unit(benchmark::kNanosecond);
+
+/// The contact problem of a block that falls onto these contacts: W = G^T M^-1 G, q = G^T v.
+ContactProblem<3> problem_of(const ConvexBlock& block, const BlockState<3>& s,
+                             const std::vector<Contact<3>>& contacts) {
+    const auto count = static_cast<Eigen::Index>(contacts.size());
+    const Mat3 rotation = s.orientation.toRotationMatrix();
+    Eigen::MatrixXd g = Eigen::MatrixXd::Zero(5 * count, 6);
+    ContactProblem<3> problem;
+    problem.resize(static_cast<int>(count));
+    for (Eigen::Index c = 0; c < count; ++c) {
+        const Contact<3>& contact = contacts[static_cast<std::size_t>(c)];
+        Mat3 frame;
+        frame.col(0) = contact.normal;
+        frame.col(1) = contact.normal.unitOrthogonal();
+        frame.col(2) = contact.normal.cross(frame.col(1));
+        for (int k = 0; k < 3; ++k) {
+            g.block<1, 3>(5 * c + k, 0) = frame.col(k).transpose();
+            g.block<1, 3>(5 * c + k, 3) = (rotation.transpose() * contact.arm.cross(frame.col(k))).transpose();
+        }
+        for (int k = 1; k < 3; ++k) g.block<1, 3>(5 * c + 2 + k, 3) = (rotation.transpose() * frame.col(k)).transpose();
+        problem.friction[static_cast<std::size_t>(c)] = 0.5;
+        problem.rolling[static_cast<std::size_t>(c)] = 0.04;
+    }
+    Eigen::Matrix<double, 6, 1> inverse_mass, velocity;
+    inverse_mass << Vec3::Constant(1.0 / block.mass), block.inertia.cwiseInverse();
+    velocity << s.velocity, s.spin;
+    problem.delassus = g * inverse_mass.asDiagonal() * g.transpose();
+    problem.free_velocity = g * velocity;
+    return problem;
+}
+
+/// Problems of one size from the rough slope: the nearest places of one pose each.
+std::vector<ContactProblem<3>> problems_of_size(std::size_t count) {
+    const Scene& scene = Scene::get(Ground::Rough);
     const ConvexBlock block = scene.block(7);
     HullContacts finder(block, *scene.surface, false);
-    const BlockState<3> release = scene.release(block, 7);
-    double t = 0.0;
-    for (auto _ : state) {
-        t = t < 0.2 ? t + 1e-3 : 0.0;
-        BlockState<3> s = release;
-        s.position += Vec3(8.0 * t, 0.0, -4.0 + 0.5 * block.radius - 5.0 * t);
-        s.velocity = {8.0, 0.0, -5.0};
-        s.spin = {0.0, 10.0, 1.0};
-        double gap = 0.0;
-        benchmark::DoNotOptimize(finder.free_time(s, 12.0, 9.81, gap));
-    }
-}
-BENCHMARK(flight_look)->ArgName("rough")->Arg(0)->Arg(1)->Unit(benchmark::kNanosecond);
-
-/// One step in contact without detection: Delassus operator, solver, velocities. Argument: number of contacts.
-void contact_step(benchmark::State& state) {
-    const Scene& scene = Scene::get(false);
-    const ConvexBlock block = scene.block(7);
-    std::vector<Soil> soils = scene.site.campaign.soils;
-    ContactStep<3> step({block.mass, block.inertia}, soils, {});
     std::vector<Contact<3>> contacts;
-    for (int c = 0; c < state.range(0); ++c) {
-        Contact<3> contact;
-        contact.gap = 0.0;
-        contact.normal = Vec3(0.5, 0.0, 1.0).normalized();
-        contact.arm = block.vertex(c * 5 % block.vertex_count());
-        contact.arm.z() = -block.inner_radius;
-        contact.key.block = c;
-        contacts.push_back(contact);
+    std::vector<ContactProblem<3>> problems;
+    for (const BlockState<3>& s : rolling_poses(scene, block)) {
+        for (double reach = 0.01; reach < 1.0; reach *= 1.3) {
+            finder.detect(s.position, s.orientation.toRotationMatrix(), reach, contacts);
+            if (contacts.size() >= count) break;
+        }
+        if (contacts.size() < count) continue;
+        std::sort(contacts.begin(), contacts.end(),
+                  [](const Contact<3>& a, const Contact<3>& b) { return a.gap < b.gap; });
+        contacts.resize(count);
+        problems.push_back(problem_of(block, s, contacts));
+        if (problems.size() == kProblems) break;
     }
-    BlockState<3> start;
-    start.velocity = {3.0, 0.2, -1.6};
-    start.spin = {1.0, 6.0, 2.0};
-    for (auto _ : state) {
-        BlockState<3> s = start;
-        step.set_contacts(contacts, Mat3::Identity());
-        benchmark::DoNotOptimize(step.solve(4e-3, {0.0, 0.0, -9.81}, {}, s));
-    }
+    return problems;
 }
-BENCHMARK(contact_step)->ArgName("contacts")->DenseRange(1, 4)->Unit(benchmark::kNanosecond);
+
+/// Contact problems without a first guess. Arguments: number of contacts, digits of the tolerance.
+void solver(benchmark::State& state) {
+    const auto problems = problems_of_size(static_cast<std::size_t>(state.range(0)));
+    ContactSolverSettings settings;
+    settings.tolerance = std::pow(10.0, -static_cast<double>(state.range(1)));
+    Eigen::VectorXd impulse;
+    std::int64_t solved = 0, iterations = 0, unconverged = 0;
+    WorkMeter meter;
+    meter.measure([&] {
+        for (auto _ : state) {
+            const ContactProblem<3>& problem = problems[static_cast<std::size_t>(solved) % problems.size()];
+            impulse.setZero(problem.free_velocity.size());
+            const ContactSolverReport r = solve_contacts(problem, settings, impulse);
+            iterations += r.newton_iterations;
+            unconverged += r.status == SolverStatus::NotConverged;
+            ++solved;
+        }
+    });
+    report(state, solved, meter);
+    state.counters["newton_iterations"] = static_cast<double>(iterations) / static_cast<double>(solved);
+    state.counters["unconverged"] = static_cast<double>(unconverged) / static_cast<double>(solved);
+}
+BENCHMARK(solver)
+    ->ArgNames({"contacts", "digits"})
+    ->ArgsProduct({{1, 2, 3, 4, 6}, {4}})
+    ->ArgsProduct({{1, 2, 3, 4, 6}, {10}})
+    ->Unit(benchmark::kNanosecond);
+
+/// Ends where a block that flies first touches something.
+class FirstContact final : public MotionSink<3> {
+public:
+    void segment(const MotionSegment<3>& motion) override {
+        if (time <= 0.0) time = motion.in_contact ? motion.start : motion.start + motion.duration;
+    }
+    double time = 0.0;  ///< [s]
+};
+
+/// Flights from the release to just before the ground, turning at 5 rad/s, moving at 8 m/s along the slope. Argument: rough.
+void flight(benchmark::State& state) {
+    const Scene& scene = Scene::get(state.range(0) != 0 ? Ground::Rough : Ground::Smooth);
+    struct Flight {
+        ConvexBlock block;
+        BlockState<3> start;
+        DynamicsSettings settings;
+    };
+    std::vector<Flight> flights;
+    for (std::uint64_t number = 0; number < kTracks; ++number) {
+        Flight f{scene.block(number), {}, {}};
+        f.start = scene.release(f.block, number);
+        f.start.velocity = {6.5, 0.0, -4.5};
+        f.start.spin = {1.0, 4.8, 1.0};
+        FirstContact contact;
+        simulate_block(f.block, f.start, *scene.surface, scene.site.campaign.soils, f.settings, &contact);
+        f.settings.time_limit = 0.98 * contact.time;
+        flights.push_back(std::move(f));
+    }
+    std::int64_t flown = 0, looks = 0;
+    double seconds = 0.0;
+    WorkMeter meter;
+    meter.measure([&] {
+        for (auto _ : state) {
+            const Flight& f = flights[static_cast<std::size_t>(flown) % flights.size()];
+            const TrajectoryEnd<3> end =
+                simulate_block(f.block, f.start, *scene.surface, scene.site.campaign.soils, f.settings);
+            looks += end.counters.flight_evaluations;
+            seconds += end.time;
+            ++flown;
+        }
+    });
+    report(state, flown, meter);
+    state.counters["looks"] = static_cast<double>(looks) / static_cast<double>(flown);
+    state.counters["flight_s"] = seconds / static_cast<double>(flown);
+}
+BENCHMARK(flight)->ArgName("rough")->Arg(0)->Arg(1)->Unit(benchmark::kMicrosecond);
 
 }  // namespace
 

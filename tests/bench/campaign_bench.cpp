@@ -1,0 +1,165 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Whole campaigns on the sample site, what the size of the terrain costs, and memory.
+#include "bench/scenes.hpp"
+
+#include "gis/raster_writer.hpp"
+#include "scree/ensemble/campaign.hpp"
+
+#include <malloc.h>
+
+#include <algorithm>
+#include <atomic>
+#include <filesystem>
+
+namespace scree::bench {
+
+namespace {
+
+constexpr std::int64_t kBlocks = 200;  ///< of a campaign [-]
+
+CampaignInput campaign_input(Ground ground, bool moreau_jean) {
+    CampaignInput input = Scene::get(ground).site.campaign;
+    input.release.count = kBlocks;
+    input.dynamics.mode = moreau_jean ? SteppingMode::MoreauJean : SteppingMode::Event;
+    if (moreau_jean) input.dynamics.time_step = 1e-3;
+    return input;
+}
+
+/// Runs campaigns; what one block costs in steps stands beside its time.
+void run_campaigns(benchmark::State& state, const CampaignInput& input, WorkMeter::Time time) {
+    TrajectoryCounters counters;
+    const std::atomic<bool> stop{false};
+    std::int64_t blocks = 0;
+    WorkMeter meter(time);
+    for (auto _ : state) {
+        meter.measure([&] {
+            const CampaignResult result = run_campaign(input, {}, stop);
+            counters.merge(result.counters);
+            blocks += result.released;
+        });
+    }
+    report(state, blocks, meter);
+    const auto per_block = [&](std::int64_t count) { return static_cast<double>(count) / static_cast<double>(blocks); };
+    state.counters["contact_steps"] = per_block(counters.contact_steps);
+    state.counters["impacts"] = per_block(counters.impacts);
+    state.counters["flight_looks"] = per_block(counters.flight_evaluations);
+}
+
+/// One thread, CPU time. Arguments: rough, mode.
+void campaign(benchmark::State& state) {
+    run_campaigns(state, campaign_input(state.range(0) != 0 ? Ground::Rough : Ground::Smooth, state.range(1) != 0),
+                  WorkMeter::Time::Cpu);
+}
+BENCHMARK(campaign)
+    ->ArgNames({"rough", "moreau_jean"})
+    ->Args({0, 0})
+    ->Args({1, 0})
+    ->Args({0, 1})
+    ->Args({1, 1})
+    ->Unit(benchmark::kMillisecond);
+
+/// What more threads bring: real time, so leave the machine alone meanwhile. Argument: threads.
+void campaign_threads(benchmark::State& state) {
+    CampaignInput input = campaign_input(Ground::Rough, false);
+    input.threads = static_cast<int>(state.range(0));
+    run_campaigns(state, input, WorkMeter::Time::Real);
+}
+BENCHMARK(campaign_threads)->ArgName("threads")->Arg(1)->Arg(2)->Unit(benchmark::kMillisecond)->UseRealTime();
+
+/// The same blocks on the same slope, alone and in the middle of a large terrain. Argument: cells on a side of it, 0 for the site's own 160 x 80.
+void campaign_terrain(benchmark::State& state) {
+    run_campaigns(state, campaign_input(state.range(0) != 0 ? Ground::Large : Ground::Smooth, false),
+                  WorkMeter::Time::Cpu);
+}
+BENCHMARK(campaign_terrain)->ArgName("cells")->Arg(0)->Arg(2000)->Unit(benchmark::kMillisecond);
+
+/// Heap in use by this process [B].
+double heap_bytes() {
+    const struct mallinfo2 info = mallinfo2();
+    return static_cast<double>(info.uordblks + info.hblkhd);
+}
+
+/// From heights in memory to a surface of 2000 x 2000 cells; what it keeps in memory.
+void surface_build(benchmark::State& state) {
+    const cli::SiteModel& site = Scene::get(Ground::Large).site;
+    const Grid<double> heights = heights_of(Ground::Large, site);
+    const auto cells = static_cast<std::int64_t>(heights.shape.size());
+    std::int64_t built = 0;
+    double bytes = 0.0;
+    WorkMeter meter;
+    for (auto _ : state) {
+        const double before = heap_bytes();
+        std::unique_ptr<Surface> surface;
+        meter.measure(
+            [&] { surface = make_grid_surface(heights, std::vector<SoilId>(grid_facet_count(heights.shape), 0)); });
+        bytes = heap_bytes() - before;
+        built += cells;
+    }
+    report(state, built, meter);
+    state.counters["bytes_per_cell"] = bytes / static_cast<double>(cells);
+}
+BENCHMARK(surface_build)->Unit(benchmark::kMillisecond);
+
+/// What a user waits for before the first block of a site of 2000 x 2000 cells: the DTM from its file, soil zones, the surface.
+void terrain_read(benchmark::State& state) {
+    namespace fs = std::filesystem;
+    const cli::SiteModel& site = Scene::get(Ground::Large).site;
+    const Grid<double> heights = heights_of(Ground::Large, site);
+    gis::RasterLayer layer;
+    layer.name = "dtm_m";
+    layer.unit = "m";
+    layer.values = Grid<float>(heights.shape);
+    std::transform(heights.values.begin(), heights.values.end(), layer.values.values.begin(),
+                   [](double z) { return static_cast<float>(z); });
+    std::string name = (fs::temp_directory_path() / "scree_bench_XXXXXX").string();
+    const fs::path folder = ::mkdtemp(name.data());
+    gis::write_geotiff(folder / "dtm_m.tif", site.terrain.data.frame, layer);
+    const cli::SiteFile file = cli::read_site_file(SCREE_SOURCE_DIR "/sample_sites/quarry_a/site.toml",
+                                                   {"terrain.dtm=" + (folder / "dtm_m.tif").string()});
+    std::int64_t cells = 0;
+    WorkMeter meter;
+    for (auto _ : state) {
+        meter.measure([&] {
+            const cli::SiteTerrain terrain = cli::load_terrain(file);
+            cells += static_cast<std::int64_t>(terrain.data.grid.shape.size());
+        });
+    }
+    report(state, cells, meter);
+    fs::remove_all(folder);
+}
+BENCHMARK(terrain_read)->Unit(benchmark::kMillisecond);
+
+/// Watches the heap while a block is on its way.
+class HeapWatch final : public MotionSink<3> {
+public:
+    explicit HeapWatch(double before) : before_(before) {}
+    void segment(const MotionSegment<3>&) override { largest = std::max(largest, heap_bytes() - before_); }
+    double largest = 0.0;  ///< above what was in use before [B]
+
+private:
+    double before_;
+};
+
+/// Memory of one block in flight: hull, terrain around it, room of the solver; on the heap, the largest of 100 blocks. The time means nothing.
+void block_memory(benchmark::State& state) {
+    const Scene& scene = Scene::get(Ground::Rough);
+    double largest = 0.0, sum = 0.0;
+    constexpr std::uint64_t kWatched = 100;
+    for (auto _ : state) {
+        for (std::uint64_t number = 0; number < kWatched; ++number) {
+            const double before = heap_bytes();
+            const ConvexBlock block = scene.block(number);
+            HeapWatch watch(before);
+            simulate_block(block, scene.release(block, number), *scene.surface, scene.site.campaign.soils, {}, &watch);
+            largest = std::max(largest, watch.largest);
+            sum += watch.largest / kWatched;
+        }
+    }
+    state.counters["bytes_per_block"] = largest;
+    state.counters["bytes_per_block_mean"] = sum;
+}
+BENCHMARK(block_memory)->Iterations(1)->Unit(benchmark::kMillisecond);
+
+}  // namespace
+
+}  // namespace scree::bench

@@ -1,0 +1,19 @@
+# shellcheck shell=bash
+# SPDX-License-Identifier: GPL-3.0-or-later
+# Sourced by the scripts of this folder: what the machine is called in the names of result files, and where results come from.
+
+# CPU model and number of cores, fit for a file name: intel_xeon_processor_2.50ghz_2_cores. Nothing that tells one machine of the kind from another.
+machine_name() {
+    local model
+    model="$(LC_ALL=C lscpu | sed -n 's/^Model name: *//p' | head -1 | sed -E 's/\((R|TM)\)//g; s/[^A-Za-z0-9.]+/_/g; s/^_|_$//g')"
+    echo "${model,,}_$(getconf _NPROCESSORS_ONLN)_cores"
+}
+
+# Date, commit (with a + where files have been changed since) and compiler, as lines of a list.
+provenance() {
+    local commit
+    commit="$(git -C "$1" rev-parse --short HEAD 2>/dev/null || echo unknown)"
+    git -C "$1" diff --quiet HEAD -- src include 2>/dev/null || commit+="+"
+    echo "- date: $(date -u +%Y-%m-%d), commit: $commit"
+    echo "- processor: $(LC_ALL=C lscpu | sed -n 's/^Model name: *//p' | head -1), $(getconf _NPROCESSORS_ONLN) cores; compiler: $(g++ --version | head -1)"
+}
