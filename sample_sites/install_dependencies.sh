@@ -1,10 +1,12 @@
 #!/usr/bin/env bash
 # Installs the Debian 12 packages that are missing to build, run and test Scree. Needs root or sudo only if some are.
+# Usage: install_dependencies.sh [PACKAGE...]     (further packages to look for)
 set -euo pipefail
 
 packages=(g++ cmake ninja-build ccache libeigen3-dev libtbb-dev libhwy-dev librandom123-dev libcli11-dev libtomlplusplus-dev
           libgdal-dev libproj-dev libsqlite3-dev libcgal-dev gdal-bin python3-gdal python3-numpy
-          libgtest-dev libgmock-dev libbenchmark-dev)
+          libgtest-dev libgmock-dev libbenchmark-dev
+          "$@")
 
 if ! command -v apt-get >/dev/null; then
     echo "No apt-get here: nothing is installed. Should cmake miss something, install your system's equivalent of" >&2
