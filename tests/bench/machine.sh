@@ -16,4 +16,5 @@ provenance() {
     git -C "$1" diff --quiet HEAD -- src include 2>/dev/null || commit+="+"
     echo "- date: $(date -u +%Y-%m-%d), commit: $commit"
     echo "- processor: $(LC_ALL=C lscpu | sed -n 's/^Model name: *//p' | head -1), $(getconf _NPROCESSORS_ONLN) cores; compiler: $(g++ --version | head -1)"
+    echo "- load of the machine over the last 1, 5 and 15 minutes: $(cut -d" " -f1-3 /proc/loadavg)"
 }

@@ -27,8 +27,8 @@ def main():
     with open(sys.argv[1]) as file:
         output = json.load(file)
     context = output["context"]
-    load = ", ".join(str(x) for x in context.get("load_avg", []))
-    print(f"- dependent additions per second at the start: {float(context['dependent_additions_per_s']):.3g}; load of the machine: {load}")
+    
+    print(f"- dependent additions per second at the start: {float(context['dependent_additions_per_s']):.3g}")
     print("\n| scene | things | time of one run | things per second | things per 1e9 dependent additions | additions per second meanwhile | what came up |")
     print("|---|---|---|---|---|---|---|")
     for b in output["benchmarks"]:
