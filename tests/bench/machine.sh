@@ -9,12 +9,12 @@ machine_name() {
     echo "${model,,}_$(getconf _NPROCESSORS_ONLN)_cores"
 }
 
-# Date, commit (with a + where files have been changed since) and compiler, as lines of a list.
+# Date, the last commit that changed the engine (with a + where files have been changed since), compiler and load, as lines of a list.
 provenance() {
     local commit
-    commit="$(git -C "$1" rev-parse --short HEAD 2>/dev/null || echo unknown)"
+    commit="$(git -C "$1" log -1 --format=%h -- src include 2>/dev/null || echo unknown)"
     git -C "$1" diff --quiet HEAD -- src include 2>/dev/null || commit+="+"
-    echo "- date: $(date -u +%Y-%m-%d), commit: $commit"
+    echo "- date: $(date -u +%Y-%m-%d), commit of src and include: $commit"
     echo "- processor: $(LC_ALL=C lscpu | sed -n 's/^Model name: *//p' | head -1), $(getconf _NPROCESSORS_ONLN) cores; compiler: $(g++ --version | head -1)"
     echo "- load of the machine over the last 1, 5 and 15 minutes: $(cut -d" " -f1-3 /proc/loadavg)"
 }

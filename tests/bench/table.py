@@ -27,7 +27,6 @@ def main():
     with open(sys.argv[1]) as file:
         output = json.load(file)
     context = output["context"]
-    
     print(f"- dependent additions per second at the start: {float(context['dependent_additions_per_s']):.3g}")
     print("\n| scene | things | time of one run | things per second | things per 1e9 dependent additions | additions per second meanwhile | what came up |")
     print("|---|---|---|---|---|---|---|")
