@@ -380,7 +380,8 @@ private:
             const State before = state_;
             const double energy_before = energy(before);
             MotionSegment<Dim> motion = begin_segment(forecast_contacts(before, h));
-            step_.set_contacts(closed_, rotation_matrix(predicted(before, h).orientation));
+            step_.set_contacts(closed_, closed_.empty() ? typename Space<Dim>::Rotation()
+                                                        : rotation_matrix(predicted(before, h).orientation));
             State after = before;
             count(step_.solve(h, gravity_, RestitutionRule{1.0, 0.0}, after));
             after.position = before.position + 0.5 * h * (before.velocity + after.velocity);
@@ -412,6 +413,13 @@ private:
     /// closed_ becomes the contacts whose gap, forecast by half a step with the velocity at the start, is not positive; with the geometry of the
     /// predicted pose, where the scheme takes its operators.
     bool forecast_contacts(const State& s, double h) {
+        if (closed_.empty()) {  // in flight: a gap forecast by half a step closes less than a step early
+            if (time_ + 2.0 * h <= free_until_) return false;
+            const double spin_bound = std::sqrt(2.0 * rotation_energy(body_, s.spin) / body_.moment.minCoeff());
+            double gap = 0.0;
+            free_until_ = time_ + finder_.free_time(s, spin_bound, settings_.gravity, gap);
+            if (time_ + 2.0 * h <= free_until_) return false;
+        }
         closed_.clear();
         const double reach = h * fastest_point(s);
         if (finder_.clearance(s.position, rotation_matrix(s.orientation)) > reach) return false;
@@ -507,6 +515,7 @@ private:
     double still_ = 0.0;                    ///< time in equilibrium [s]
     Vec place_ = Vec::Constant(kInfinity);  ///< where the centre of mass has stayed of late [m]
     double in_place_since_ = 0.0;           ///< [s]
+    double free_until_ = -kInfinity;        ///< no contact closes before; moreau_jean only [s]
     int impacts_in_a_row_ = 0;
     std::int64_t turns_ = 0;
     bool finished_ = false;

@@ -35,9 +35,6 @@ constexpr double kNearTime = 2e-3;
 constexpr double kLongestLook = 0.02, kShortestLook = 2e-3, kLookShare = 0.7;
 /// A block in flight has the terrain of so much time copied out at once [s], two radii at most.
 constexpr double kPatchTime = 0.1;
-/// A tip or crest that is passed by may become a contact as the block turns; nearer than this it is not waited for, it would stop every flight over
-/// a crest [m]. The overlap that can come of it is found at the next look, and the flight is taken back to where it begins.
-constexpr double kPassedBy = 5e-3;
 /// Where terrain has holes or ends, share of the radius that is flown at most between two looks [-].
 constexpr double kRimShare = 0.25;
 /// Euler's equations with |I_i - I_j| <= I_k give |dOmega/dt| <= |Omega|^2 / sqrt(3) and |d^2 Omega/dt^2| <= |Omega|^3, both in the body frame. The
@@ -66,10 +63,11 @@ double arrival(double gap, double rate, double acceleration, double jerk, double
 
 }  // namespace
 
-HullContacts::HullContacts(const ConvexBlock& block, const Surface& surface, bool vertices_only)
+HullContacts::HullContacts(const ConvexBlock& block, const Surface& surface, bool vertices_only, double passed_by)
     : block_(block),
       surface_(surface),
       vertices_only_(vertices_only),
+      least_passed_by_(passed_by),
       vertex_free_until_(block.x.size()),
       height_(block.x.size()),
       face_value_(block.nx.size()),
@@ -209,7 +207,7 @@ double HullContacts::time_to_features(const Vec3& position, const Mat3& rotation
     for (const Contact<3>& c : near_)
         if (c.gap > gap) look_at(c);
     for (const Contact<3>& c : passed_by_)
-        if (c.gap > kPassedBy) look_at(c);
+        if (c.gap > least_passed_by_) look_at(c);
     if (!patch_.plane.whole) time = std::min(time, kRimShare * block_.radius / std::max(flight.fastest, 0.1));
     look_time_ = time < unlisted ? std::clamp(4.0 * time, kShortestLook, kLongestLook) : kLongestLook;
     return std::min(time, kLongestFlight);

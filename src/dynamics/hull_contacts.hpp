@@ -15,8 +15,13 @@ namespace scree {
 /// Keeps the terrain patch around the block from call to call.
 class HullContacts {
 public:
-    /// `vertices_only` leaves out tips and crests (for comparison with codes that lack them).
-    HullContacts(const ConvexBlock& block, const Surface& surface, bool vertices_only);
+    /// A tip or crest that is passed by may become a contact as the block turns. Nearer than this it is not waited for in flight, it would stop every
+    /// flight over a crest: for a caller that takes a flight back to where an overlap begins [m].
+    static constexpr double kPassedBy = 5e-3;
+
+    /// `vertices_only` leaves out tips and crests (for comparison with codes that lack them). Flights wait for everything that is passed by at no less
+    /// than `passed_by` [m]; -infinity: for all.
+    HullContacts(const ConvexBlock& block, const Surface& surface, bool vertices_only, double passed_by = kPassedBy);
 
     /// All contacts with a gap of at most `reach` [m] for this pose, in an order that depends on the pose only.
     void detect(const Vec3& position, const Mat3& rotation, double reach, std::vector<Contact<3>>& contacts);
@@ -94,6 +99,7 @@ private:
     const ConvexBlock& block_;
     const Surface& surface_;
     bool vertices_only_;
+    double least_passed_by_;  ///< what is passed by nearer than this is not waited for [m]
     TerrainPatch patch_;
     bool covered_ = false;
     bool beyond_rim_ = false;

@@ -46,7 +46,8 @@ double TrajectoryCounters::penetration_quantile(double share) const {
 TrajectoryEnd<3> simulate_block(const ConvexBlock& block, const BlockState<3>& release, const Surface& surface,
                                 std::span<const Soil> soils, const DynamicsSettings& settings, MotionSink<3>* sink) {
     const BodyInertia<3> body{block.mass, block.inertia};
-    HullContacts contacts(block, surface, settings.vertices_only);
+    HullContacts contacts(block, surface, settings.vertices_only,
+                          settings.mode == SteppingMode::Event ? HullContacts::kPassedBy : -kInfinity);
     Engine<3, HullContacts> engine(body, contacts, soils, settings, sink);
     return engine.run(release);
 }
