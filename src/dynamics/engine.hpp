@@ -19,7 +19,7 @@ namespace scree {
 ///     detect(position, rotation, reach, contacts)   all contacts with gap <= reach
 ///     clearance(position, rotation)                 a cheap lower bound of every gap
 ///     free_time(state, spin bound, gravity, gap)    how long nothing can touch in flight
-///     over_terrain(position), beyond_rim(), radius(), inner_radius()
+///     over_terrain(position), buried(position), beyond_rim(), radius(), inner_radius()
 ///
 /// Event mode, each turn of the loop:
 ///   no contact closed   fly: exact parabola and torque-free rotation up to the moment when a gap closes;
@@ -215,10 +215,10 @@ private:
                              kMoveInContact * finder_.inner_radius() / std::max(fastest_point(before), 1e-9)});
         step_.set_contacts(closed_, rotation_matrix(before.orientation));
         State after = moved(before, h);
-        double overlap = new_overlap(after);
-        if (overlap > settings_.activation_gap) {
+        const double closes = first_overlap(before, after, h);
+        if (closes <= h) {
             ++end_.counters.shortened_steps;
-            h = shortened(before, after, h);
+            h = shortened(before, after, h, closes);
             after = moved(before, h);
             new_overlap(after);
         }
@@ -267,17 +267,34 @@ private:
         });
     }
 
-    /// Length of the step until the first new contact closes, on the path of the full step; not below a sixteenth of it.
-    double shortened(const State& before, const State& after, double h) {
-        const Spin turn = 0.5 * (before.spin + after.spin);
+    /// When a new contact is first seen to overlap on the way to `after`, infinite if none. The end alone is looked at, unless the block moves far: a
+    /// thin corner could be through a crest by then. found_ holds all contacts of the last pose looked at.
+    double first_overlap(const State& before, const State& after, double h) {
+        const double unseen = kMoveUnseen * finder_.inner_radius() / std::max(fastest_point(before), 1e-9);
+        const int looks = std::max(1, static_cast<int>(std::ceil(h / unseen)));
+        for (int k = 1; k <= looks; ++k) {
+            const double t = h * k / looks;
+            if (new_overlap(k == looks ? after : on_the_way(before, after, h, t)) > settings_.activation_gap) return t;
+        }
+        return kInfinity;
+    }
+
+    /// Pose at time t of a step of length h.
+    State on_the_way(const State& before, const State& after, double h, double t) const {
+        State s = before;
+        s.position = before.position + t / h * (after.position - before.position);
+        s.orientation = turned(before.orientation, Spin(0.5 * t * (before.spin + after.spin)));
+        return s;
+    }
+
+    /// Length of the step until the first new contact closes, on the path of the full step, given a time at which it overlaps; not below a sixteenth of
+    /// the step.
+    double shortened(const State& before, const State& after, double h, double closes) {
         const double shortest = h / 16.0;
-        double low = 0.0, high = h;
+        double low = 0.0, high = closes;
         for (int k = 0; k < 12 && high - low > shortest; ++k) {
             const double t = 0.5 * (low + high);
-            State middle = before;
-            middle.position = before.position + t / h * (after.position - before.position);
-            middle.orientation = turned(before.orientation, Spin(t * turn));
-            const double overlap = new_overlap(middle);
+            const double overlap = new_overlap(on_the_way(before, after, h, t));
             if (overlap > 0.0 && overlap <= settings_.activation_gap) return std::max(t, shortest);
             (overlap > 0.0 ? high : low) = t;
         }
@@ -478,9 +495,13 @@ private:
         end_.reason = reason;
     }
 
-    /// A state that is not finite is a failure of ours: reported as such, never passed on.
+    /// A state that is not finite, or a block that went through the ground, is a failure of ours: reported as such, never passed on.
     void check() {
         if (!state_.position.allFinite() || !state_.velocity.allFinite() || !state_.spin.allFinite()) {
+            finished_ = true;
+            end_.reason = StopReason::Failed;
+        }
+        if (!closed_.empty() && finder_.buried(state_.position)) {
             finished_ = true;
             end_.reason = StopReason::Failed;
         }
@@ -494,6 +515,7 @@ private:
         1e-6;  ///< height of fall by which the solver's tolerance may raise the energy of a step [m]
     static constexpr double kMoveInContact =
         1.0;  ///< share of the block's thickness that its points move at most in a step with contact [-]
+    static constexpr double kMoveUnseen = 0.2;  ///< share of the thickness that they move between two looks in it [-]
     static constexpr double kPenetrationSlop = 3e-4;  ///< overlap that is left alone [m]
     static constexpr double kSameNormal = 1e-6;       ///< 1 - cosine below which two facets hold a vertex alike [-]
     static constexpr double kSamePlace = 0.02;        ///< of the radius: contacts closer than this are at one place [-]

@@ -100,6 +100,12 @@ bool HullContacts::over_terrain(const Vec3& position) {
     return surface_.facet_at(plan) >= 0;
 }
 
+bool HullContacts::buried(const Vec3& position) const {
+    const PatchFacet* facet =
+        covered_ && patch_.box.contains(position.head<2>()) ? patch_.facet_at(position.head<2>()) : nullptr;
+    return facet && facet->gap(position) < -block_.inner_radius;
+}
+
 double HullContacts::clearance(const Vec3& position, const Mat3& rotation) {
     cover(position, 0.0, Vec2::Zero());
     if (patch_.facets.empty()) return kInfinity;

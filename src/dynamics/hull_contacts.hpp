@@ -37,6 +37,9 @@ public:
     /// False if there is no terrain below the centre of mass: outside the DTM or over a hole.
     bool over_terrain(const Vec3& position);
 
+    /// True if the centre of mass is deeper in the ground than the block is thick: no contact could be found that holds it.
+    bool buried(const Vec3& position) const;
+
     /// True if at the last look a vertex hung beside the terrain, over a hole or outside, and below the plane that supports the terrain around: what
     /// it would touch there is not known, and coming back it would meet the ground from the side.
     bool beyond_rim() const { return beyond_rim_; }

@@ -9,6 +9,15 @@
 
 namespace scree {
 
+namespace {
+
+/// Step of the search for a free place, as a share of the block's thickness: a crest does not fit between two places [-].
+constexpr double kClearingStep = 0.5;
+/// Farther up no block is looked for a free place [m].
+constexpr double kHighestLift = 1e4;
+
+}  // namespace
+
 void TrajectoryCounters::add_penetration(double depth) {
     largest_penetration = std::max(largest_penetration, depth);
     const double bin = depth > 0.0 ? std::floor(4.0 * (std::log10(depth) + 6.0)) : 0.0;
@@ -52,20 +61,25 @@ TrajectoryEnd<3> simulate_block(const ConvexBlock& block, const BlockState<3>& r
     return engine.run(release);
 }
 
+// From above, not from below: a long block can stick through a ridge so that no corner of it is in the ground and no crest in it, which looks free.
 double clearing_lift(const ConvexBlock& block, const BlockState<3>& state, const Surface& surface, double gap) {
     HullContacts finder(block, surface, false);
     const Mat3 rotation = state.orientation.toRotationMatrix();
+    auto at = [&](double lift) -> Vec3 { return state.position + lift * Vec3::UnitZ(); };
     std::vector<Contact<3>> contacts;
     auto is_free = [&](double lift) {
-        finder.detect(state.position + lift * Vec3::UnitZ(), rotation, gap, contacts);
+        finder.detect(at(lift), rotation, gap, contacts);
         return contacts.empty() && finder.cut() <= 0.0;
     };
-    if (is_free(0.0)) return 0.0;
-    double low = 0.0, high = std::max(gap, 0.1 * block.radius);
-    while (!is_free(high) && high < 1e4) {
-        low = high;
-        high *= 2.0;
-    }
+    const double step = kClearingStep * block.inner_radius;
+    double high = 0.0;
+    while (finder.clearance(at(high), rotation) < gap && high < kHighestLift) high = std::max(2.0 * high, step);
+    double low = high;
+    do {
+        if (low <= 0.0) return 0.0;
+        high = low;
+        low = std::max(high - step, 0.0);
+    } while (is_free(low));
     while (high - low > 0.1 * gap) {
         const double middle = 0.5 * (low + high);
         (is_free(middle) ? high : low) = middle;

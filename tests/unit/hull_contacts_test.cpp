@@ -170,6 +170,20 @@ TEST(HullContacts, AVertexBesideTheTerrainIsBeyondTheRim) {
     }
 }
 
+// What no contact could hold must not go on below the ground unseen.
+TEST(HullContacts, ABlockThatWentThroughTheGroundIsBuried) {
+    const auto surface = grid_terrain(4.0, 1.0, [](double x, double) { return 0.5 * x; });
+    const FramedBlock body = diamond();
+    HullContacts finder(body.block, *surface, false);
+    std::vector<Contact<3>> contacts;
+    const double slope = std::sqrt(1.25), thick = body.block.inner_radius;
+    for (const double depth : {-1.0, 0.0, 0.9 * thick, 1.1 * thick, 3.0}) {
+        const Vec3 centre(0.4, 0.1, 0.2 - slope * depth);
+        finder.detect(centre, Mat3::Identity(), 1e-3, contacts);
+        EXPECT_EQ(finder.buried(centre), depth > thick) << depth;
+    }
+}
+
 namespace {
 
 /// Random blocks in random poses close to a rough slope.
