@@ -31,8 +31,10 @@ struct Partial {
 void run_block(const CampaignInput& input, std::int64_t number, BlockResult& result, Partial& partial) {
     const auto key = static_cast<std::uint64_t>(number);
     const PopulationBlock block = draw_block(input.population, input.seed, key);
+    const Vec2 fixed =
+        block.row < 0 ? Vec2::Constant(kNaN) : input.population.list[static_cast<std::size_t>(block.row)].release;
     const BlockState<3> release = draw_release(input.release, *input.area, *input.surface, block.body, input.seed, key,
-                                               result.feature, result.raised);
+                                               result.feature, result.raised, fixed);
     result.row = block.row;
     result.mass = block.body.mass;
     result.size = block.body.size;
@@ -41,6 +43,7 @@ void run_block(const CampaignInput& input, std::int64_t number, BlockResult& res
     PathRecorder recorder(input, number, block.body.mass, result);
     const TrajectoryEnd<3> end =
         simulate_block(block.body, release, *input.surface, input.soils, input.dynamics, &recorder);
+    recorder.finish();
     result.reason = end.reason;
     result.stop = end.state.position;
     result.time = end.time;

@@ -34,6 +34,7 @@ PathRecorder::PathRecorder(const CampaignInput& input, std::int64_t block, doubl
       mass_(mass),
       result_(result),
       crossed_(input.screens.size(), false),
+      span_speed_(input.screen_span),
       keep_(block < input.kept_trajectories) {
     for (const Screen& screen : input.screens) {
         Box2 box;
@@ -132,6 +133,7 @@ double PathRecorder::largest_height(const MotionSegment<3>& m, double from, doub
 
 void PathRecorder::cross_screens(const MotionSegment<3>& m) {
     if (screen_boxes_.empty()) return;
+    fresh_.clear();
     const Vec2 start = m.position.head<2>(), end = position_at(m, 1.0).head<2>();
     Box2 box;
     box.add(start);
@@ -160,8 +162,11 @@ void PathRecorder::cross_screens(const MotionSegment<3>& m) {
         c.energy = 0.5 * mass_ * c.velocity.squaredNorm() + m.rotation_energy_start +
                    first * (m.rotation_energy_end - m.rotation_energy_start);
         c.height = c.position.z() - input_.surface->height(c.position.head<2>());
+        c.measured_speed = c.velocity.norm();
+        fresh_.push_back({crossings_.size(), first});
         crossings_.push_back(c);
     }
+    span_speed_.segment(m, fresh_, crossings_);
 }
 
 void PathRecorder::keep_line(const MotionSegment<3>& m) {

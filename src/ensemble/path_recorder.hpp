@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include "ensemble/span_speed.hpp"
+
 #include "scree/ensemble/campaign.hpp"
 
 #include <unordered_map>
@@ -15,6 +17,8 @@ public:
     PathRecorder(const CampaignInput& input, std::int64_t block, double mass, BlockResult& result);
 
     void segment(const MotionSegment<3>& motion) override;
+    /// The trajectory has ended.
+    void finish() { span_speed_.finish(crossings_); }
 
     const std::unordered_map<std::size_t, CellValues>& cells() const { return cells_; }
     const std::vector<ScreenCrossing>& crossings() const { return crossings_; }
@@ -35,6 +39,8 @@ private:
     std::vector<ScreenCrossing> crossings_;
     std::vector<bool> crossed_;
     std::vector<Box2> screen_boxes_;
+    SpanSpeed span_speed_;
+    std::vector<SpanSpeed::Fresh> fresh_;  ///< crossings in the segment at hand
     bool keep_ = false;
     KeptTrajectory line_;
 };

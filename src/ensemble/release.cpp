@@ -129,8 +129,8 @@ Vec2 ReleaseArea::draw(std::uint64_t seed, std::uint64_t block, std::int64_t& fe
 
 BlockState<3> draw_release(const ReleaseSettings& settings, const ReleaseArea& area, const Surface& surface,
                            const ConvexBlock& block, std::uint64_t seed, std::uint64_t number, std::int64_t& feature,
-                           double& raised) {
-    const Vec2 plan = area.draw(seed, number, feature);
+                           double& raised, const Vec2& fixed) {
+    const Vec2 plan = std::isfinite(fixed.x()) ? fixed : area.draw(seed, number, feature);
     RandomStream random(seed, number, RandomPurpose::Orientation);
     BlockState<3> state;
     state.orientation = uniform_orientation(random);

@@ -31,6 +31,8 @@ struct ScreenCrossing {
     double spin = 0.0;             ///< [rad/s]
     double energy = 0.0;           ///< kinetic, translation and rotation [J]
     double height = 0.0;           ///< of the centre of mass above the terrain, vertically [m]
+    double measured_speed =
+        0.0;  ///< as a film measures it over CampaignInput::screen_span; that at the screen if it is 0 [m/s]
 };
 
 /// An area whose deposits are counted.
@@ -81,6 +83,8 @@ struct CampaignInput {
     std::uint64_t seed = 1;
     GridShape result_cells;  ///< where passages are counted
     std::vector<Screen> screens;
+    double screen_span =
+        0.0;  ///< length around a screen over which ScreenCrossing::measured_speed is a mean; 0: none [m]
     std::vector<DepositZone> deposit_zones;
     std::int64_t kept_trajectories = 0;  ///< how many of the first blocks to keep as lines [-]
     int threads = 0;                     ///< 0: all cores [-]

@@ -13,8 +13,9 @@ namespace scree {
 /// One measured block: a row of the block list.
 struct BlockRow {
     std::string id;
-    double mass = 0.0;         ///< [kg]
-    Vec3 size = Vec3::Zero();  ///< L1 >= L2 >= L3, edges of the smallest box around it [m]
+    double mass = 0.0;                    ///< [kg]
+    Vec3 size = Vec3::Zero();             ///< L1 >= L2 >= L3, edges of the smallest box around it [m]
+    Vec2 release = Vec2::Constant(kNaN);  ///< where it is let go, plan view; NaN: anywhere in the release area [m]
 };
 
 /// How volumes are spread when there is no block list.

@@ -64,9 +64,9 @@ private:
 };
 
 /// Start of a block: position, random orientation (uniform over all rotations), velocity and spin. A block that would touch the ground is raised until
-/// it is free; `raised` tells by how much [m].
+/// it is free; `raised` tells by how much [m]. `fixed` is its plan position if that is known (`feature` is then left alone), NaN to draw one.
 BlockState<3> draw_release(const ReleaseSettings& settings, const ReleaseArea& area, const Surface& surface,
                            const ConvexBlock& block, std::uint64_t seed, std::uint64_t number, std::int64_t& feature,
-                           double& raised);
+                           double& raised, const Vec2& fixed = Vec2::Constant(kNaN));
 
 }  // namespace scree
