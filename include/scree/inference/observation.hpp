@@ -1,0 +1,120 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include "scree/ensemble/campaign.hpp"
+#include "scree/inference/axis.hpp"
+
+#include <array>
+#include <cstdint>
+#include <limits>
+#include <string>
+#include <vector>
+
+namespace scree {
+
+/// Measurements of a field test, in the local frame. NaN stands for "not measured" throughout. `row` is where a record came from (line of a table,
+/// number of a feature), for messages. `block` is an index into Observations::blocks, -1 where it is not known which block was measured.
+
+/// A block that was thrown: one throw, not one stone (a stone thrown twice is two).
+struct ObservedBlock {
+    std::string id;
+    double mass = kNaN;                   ///< [kg]
+    Vec3 size = Vec3::Constant(kNaN);     ///< L1, L2, L3 [m]
+    Vec2 release = Vec2::Constant(kNaN);  ///< where it was let go, plan view [m]
+    bool has_body() const { return mass > 0.0 && size.minCoeff() > 0.0; }
+};
+
+/// Where a block was found.
+struct ObservedStop {
+    std::int64_t row = 0;
+    std::int32_t block = -1;
+    Vec3 position = Vec3::Constant(kNaN);  ///< z may be NaN: it is compared with nothing [m]
+    double error = 0.0;                    ///< standard deviation of easting and of northing [m]
+    bool censored = false;                 ///< it was last seen here and ran at least so far
+    bool broken = false;                   ///< it broke on the way: the largest piece, or the last impact before
+};
+
+/// What a screen saw.
+enum class Kinematic { Speed, Height, Spin, Energy };
+inline constexpr std::size_t kKinematics = 4;
+/// One value per Kinematic: [m/s], [m] of the centre of mass above the ground, [rad/s], [J].
+using KinematicValues = std::array<double, kKinematics>;
+
+struct ObservedCrossing {
+    std::int64_t row = 0;
+    std::int32_t block = -1;
+    std::int32_t screen = 0;                        ///< index into ObservationOperator::screens [-]
+    Vec3 position = Vec3::Constant(kNaN);           ///< [m]
+    KinematicValues value{kNaN, kNaN, kNaN, kNaN};  ///< all NaN: it passed, nothing else was measured [*]
+    KinematicValues error{};                        ///< standard deviations [*]
+};
+
+/// How many blocks stopped in a deposit zone, counted without coordinates.
+struct ObservedShare {
+    std::int64_t row = 0;
+    std::int32_t zone = 0;    ///< index into ObservationOperator::zones [-]
+    std::int64_t count = 0;   ///< blocks at rest in the zone [-]
+    std::int64_t thrown = 0;  ///< of so many thrown [-]
+};
+
+struct Observations {
+    std::vector<ObservedBlock> blocks;
+    std::vector<ObservedStop> stops;
+    std::vector<ObservedCrossing> crossings;
+    std::vector<ObservedShare> shares;
+    std::int64_t thrown =
+        0;  ///< blocks thrown in the test; 0: not known, so that shares of passing blocks are not compared [-]
+    /// True: every block is known, and block k of the campaign is block k mod blocks.size() of the test, with its mass and size.
+    /// False: measurements and simulation are two pools of blocks.
+    bool matched = false;
+};
+
+/// Where and how the test measured: what a simulated block passes through before it is compared (with the errors of the observations).
+struct ObservationOperator {
+    Axis axis;
+    Vec2 origin = Vec2::Zero();           ///< centre of the release, from which `runout` is counted [m]
+    std::vector<std::string> screens;     ///< names, each once
+    std::vector<std::int32_t> screen_of;  ///< screen (above) of each CampaignInput::screens [-]
+    std::vector<std::string> zones;       ///< names, each once
+    std::vector<std::pair<std::int32_t, Region>> zone_areas;  ///< zone (above) and an area of it
+    double least_speed = 0.0;         ///< slower passages were not seen by the camera: they count as not passed [m/s]
+    double runout_limit = kInfinity;  ///< stops beyond this chainage were recorded there, where the survey ended [m]
+};
+
+/// What is compared, one column each. Passed and InZone are 0 or 1.
+enum class Quantity { Along, Lateral, Runout, Passed, Speed, Height, Spin, Energy, InZone };
+struct Column {
+    Quantity quantity = Quantity::Along;
+    std::int32_t place = -1;  ///< screen or zone, -1 for stops [-]
+    bool operator==(const Column&) const = default;
+};
+/// Quantity of a kinematic value.
+inline Quantity quantity_of(std::size_t kinematic) {
+    return static_cast<Quantity>(static_cast<std::size_t>(Quantity::Speed) + kinematic);
+}
+
+/// Measured or simulated blocks as rows, NaN where there is nothing: not measured, or the block did not pass the screen.
+struct ObservationTable {
+    std::vector<Column> columns;
+    std::vector<std::vector<double>> values;  ///< per column, one value per row; [m], [m/s], [rad/s], [J], [-]
+    std::vector<std::int32_t> block;          ///< per row: block of the test, -1 if unknown [-]
+
+    std::size_t rows() const { return block.size(); }
+    /// Index of a column, or columns.size() if it is not there.
+    std::size_t find(const Column& column) const;
+};
+
+/// The columns that the observations hold something of, then all zones if there are stops to sort into them.
+std::vector<Column> observed_columns(const Observations& observations, const ObservationOperator& op);
+
+/// Measurements as rows: first one per block of the test if they are matched, then one per record of an unknown block. Of blocks that
+/// are known, one without a record at a screen that recorded known blocks has not passed it. Shares stay outside (ObservedShare).
+ObservationTable measured_table(const Observations& observations, const ObservationOperator& op);
+
+/// The same view of a campaign: one row per block that did not fail, in order. Stops of blocks that left the terrain or ran out of time
+/// count where they were last seen. Adds the errors of the measurements, drawn with Philox streams of (seed, block): those of the same block
+/// if matched, else of a measurement drawn at random. Depends on nothing else.
+ObservationTable simulated_table(const CampaignResult& campaign, const Observations& observations,
+                                 const ObservationOperator& op, std::uint64_t seed);
+
+}  // namespace scree

@@ -1,0 +1,246 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "scree/inference/observation.hpp"
+
+#include "scree/base/assert.hpp"
+#include "scree/base/random.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace scree {
+
+namespace {
+
+/// Fills one row: what the columns ask for, from what is known of a block.
+class RowWriter {
+public:
+    RowWriter(ObservationTable& table, const ObservationOperator& op) : table_(table), op_(op) {}
+
+    void add(std::int32_t block) {
+        table_.block.push_back(block);
+        for (auto& column : table_.values) column.push_back(kNaN);
+    }
+    void stop(Vec2 p, bool at_rest) {
+        AxisPlace place = op_.axis.place(p);
+        if (place.along > op_.runout_limit) {
+            p += op_.axis.point(op_.runout_limit) - op_.axis.point(place.along);
+            place.along = op_.runout_limit;
+        }
+        set({Quantity::Along}, place.along);
+        set({Quantity::Lateral}, place.lateral);
+        set({Quantity::Runout}, (p - op_.origin).norm());
+        for (std::size_t z = 0; z < op_.zones.size(); ++z)
+            set({Quantity::InZone, static_cast<std::int32_t>(z)}, at_rest && in_zone(p, z) ? 1.0 : 0.0);
+    }
+    void passed(std::int32_t screen, bool yes) { set({Quantity::Passed, screen}, yes ? 1.0 : 0.0); }
+    void kinematics(std::int32_t screen, const KinematicValues& values) {
+        for (std::size_t k = 0; k < kKinematics; ++k) set({quantity_of(k), screen}, values[k]);
+    }
+
+private:
+    bool in_zone(const Vec2& p, std::size_t zone) const {
+        return std::any_of(op_.zone_areas.begin(), op_.zone_areas.end(), [&](const auto& area) {
+            return area.first == static_cast<std::int32_t>(zone) && area.second.contains(p);
+        });
+    }
+    void set(const Column& column, double value) {
+        const std::size_t k = table_.find(column);
+        if (k < table_.columns.size()) table_.values[k].back() = value;
+    }
+
+    ObservationTable& table_;
+    const ObservationOperator& op_;
+};
+
+ObservationTable empty_table(const Observations& observations, const ObservationOperator& op) {
+    ObservationTable table;
+    table.columns = observed_columns(observations, op);
+    table.values.resize(table.columns.size());
+    return table;
+}
+
+/// Does any known block have a record at this screen?
+std::vector<bool> screens_with_blocks(const Observations& observations, std::size_t screens) {
+    std::vector<bool> found(screens, false);
+    for (const ObservedCrossing& c : observations.crossings)
+        if (c.block >= 0) found[static_cast<std::size_t>(c.screen)] = true;
+    return found;
+}
+
+bool known(const Vec2& p) {
+    return std::isfinite(p.x()) && std::isfinite(p.y());
+}
+
+/// The errors of the measurements, as a simulated block draws them.
+class ErrorModel {
+public:
+    ErrorModel(const Observations& observations, std::size_t screens)
+        : matched_(observations.matched), crossings_(screens) {
+        const KinematicValues none{kNaN, kNaN, kNaN, kNaN};
+        block_stop_.assign(observations.blocks.size(), kNaN);
+        block_crossing_.assign(observations.blocks.size(), std::vector<KinematicValues>(screens, none));
+        for (const ObservedStop& s : observations.stops) {
+            if (!known(s.position.head<2>())) continue;
+            stops_.push_back(s.error);
+            if (s.block >= 0) block_stop_[static_cast<std::size_t>(s.block)] = s.error;
+        }
+        for (const ObservedCrossing& c : observations.crossings) {
+            const auto screen = static_cast<std::size_t>(c.screen);
+            if (c.block >= 0) block_crossing_[static_cast<std::size_t>(c.block)][screen] = c.error;
+            for (std::size_t k = 0; k < kKinematics; ++k)
+                if (std::isfinite(c.value[k])) crossings_[screen][k].push_back(c.error[k]);
+        }
+    }
+
+    /// Standard deviation of a stop. Draws one number of the stream, whatever comes of it.
+    double of_stop(std::int32_t block, RandomStream& random) const {
+        const double drawn = random.uniform();
+        const double own = matched_ && block >= 0 ? block_stop_[static_cast<std::size_t>(block)] : kNaN;
+        return std::isfinite(own) ? own : pick(stops_, drawn);
+    }
+    double of_crossing(std::int32_t block, std::size_t screen, std::size_t kinematic, RandomStream& random) const {
+        const double drawn = random.uniform();
+        const double own =
+            matched_ && block >= 0 ? block_crossing_[static_cast<std::size_t>(block)][screen][kinematic] : kNaN;
+        return std::isfinite(own) ? own : pick(crossings_[screen][kinematic], drawn);
+    }
+
+private:
+    static double pick(const std::vector<double>& errors, double drawn) {
+        return errors.empty() ? 0.0 : errors[static_cast<std::size_t>(drawn * static_cast<double>(errors.size()))];
+    }
+
+    bool matched_;
+    std::vector<double> stops_;                                            ///< of all stops [m]
+    std::vector<std::array<std::vector<double>, kKinematics>> crossings_;  ///< per screen, of all its crossings
+    std::vector<double> block_stop_;                                       ///< per block, NaN: it was not found [m]
+    std::vector<std::vector<KinematicValues>> block_crossing_;             ///< per block and screen
+};
+
+KinematicValues kinematics_of(const ScreenCrossing& c) {
+    return {c.measured_speed, c.height, c.spin, c.energy};
+}
+
+/// First crossing of each screen by one block, null where it has none. The parts of a screen count as one.
+std::vector<const ScreenCrossing*> first_crossings(std::span<const ScreenCrossing> of_block,
+                                                   const ObservationOperator& op) {
+    std::vector<const ScreenCrossing*> first(op.screens.size(), nullptr);
+    for (const ScreenCrossing& c : of_block) {
+        const std::int32_t screen = op.screen_of[static_cast<std::size_t>(c.screen)];
+        if (screen < 0) continue;
+        const ScreenCrossing*& known_first = first[static_cast<std::size_t>(screen)];
+        if (!known_first || c.time < known_first->time) known_first = &c;
+    }
+    return first;
+}
+
+/// Adds normal errors to what the screen would have seen. Speeds and the like stay positive; the numbers drawn do not depend on the values.
+KinematicValues seen_at_screen(const KinematicValues& exact, const ErrorModel& errors, std::int32_t block,
+                               std::size_t screen, RandomStream& random) {
+    KinematicValues seen{};
+    for (std::size_t k = 0; k < kKinematics; ++k) {
+        const double error = errors.of_crossing(block, screen, k, random);
+        seen[k] = std::max(0.0, exact[k] + error * random.normal());
+    }
+    return seen;
+}
+
+}  // namespace
+
+std::size_t ObservationTable::find(const Column& column) const {
+    return static_cast<std::size_t>(std::find(columns.begin(), columns.end(), column) - columns.begin());
+}
+
+std::vector<Column> observed_columns(const Observations& observations, const ObservationOperator& op) {
+    std::vector<Column> columns;
+    const bool stops = std::any_of(observations.stops.begin(), observations.stops.end(),
+                                   [](const ObservedStop& s) { return known(s.position.head<2>()); });
+    if (stops) columns = {{Quantity::Along}, {Quantity::Lateral}, {Quantity::Runout}};
+    for (std::size_t s = 0; s < op.screens.size(); ++s) {
+        const auto screen = static_cast<std::int32_t>(s);
+        bool any = false;
+        std::array<bool, kKinematics> measured{};
+        for (const ObservedCrossing& c : observations.crossings) {
+            if (c.screen != screen) continue;
+            any = true;
+            for (std::size_t k = 0; k < kKinematics; ++k) measured[k] = measured[k] || std::isfinite(c.value[k]);
+        }
+        if (any) columns.push_back({Quantity::Passed, screen});
+        for (std::size_t k = 0; k < kKinematics; ++k)
+            if (measured[k]) columns.push_back({quantity_of(k), screen});
+    }
+    if (stops || !observations.shares.empty())
+        for (std::size_t z = 0; z < op.zones.size(); ++z)
+            columns.push_back({Quantity::InZone, static_cast<std::int32_t>(z)});
+    return columns;
+}
+
+ObservationTable measured_table(const Observations& observations, const ObservationOperator& op) {
+    ObservationTable table = empty_table(observations, op);
+    RowWriter write(table, op);
+    const std::size_t matched = observations.matched ? observations.blocks.size() : 0;
+    std::vector<std::vector<const ObservedCrossing*>> crossings(matched);
+    std::vector<const ObservedStop*> stops(matched, nullptr);
+    for (const ObservedStop& s : observations.stops)
+        if (matched > 0 && s.block >= 0) stops[static_cast<std::size_t>(s.block)] = &s;
+    for (const ObservedCrossing& c : observations.crossings)
+        if (matched > 0 && c.block >= 0) crossings[static_cast<std::size_t>(c.block)].push_back(&c);
+
+    const std::vector<bool> seen = screens_with_blocks(observations, op.screens.size());
+    for (std::size_t b = 0; b < matched; ++b) {
+        write.add(static_cast<std::int32_t>(b));
+        if (stops[b] && known(stops[b]->position.head<2>()))
+            write.stop(stops[b]->position.head<2>(), !stops[b]->censored);
+        for (std::size_t s = 0; s < op.screens.size(); ++s)
+            if (seen[s]) write.passed(static_cast<std::int32_t>(s), false);
+        for (const ObservedCrossing* c : crossings[b]) {
+            write.passed(c->screen, true);
+            write.kinematics(c->screen, c->value);
+        }
+    }
+    for (const ObservedStop& s : observations.stops) {
+        if ((matched > 0 && s.block >= 0) || !known(s.position.head<2>())) continue;
+        write.add(-1);
+        write.stop(s.position.head<2>(), !s.censored);
+    }
+    for (const ObservedCrossing& c : observations.crossings) {
+        if (matched > 0 && c.block >= 0) continue;
+        write.add(-1);
+        write.passed(c.screen, true);
+        write.kinematics(c.screen, c.value);
+    }
+    return table;
+}
+
+ObservationTable simulated_table(const CampaignResult& campaign, const Observations& observations,
+                                 const ObservationOperator& op, std::uint64_t seed) {
+    ObservationTable table = empty_table(observations, op);
+    RowWriter write(table, op);
+    const ErrorModel errors(observations, op.screens.size());
+    auto next = campaign.crossings.begin();
+    for (std::size_t k = 0; k < campaign.blocks.size(); ++k) {
+        const BlockResult& b = campaign.blocks[k];
+        const auto first = next;
+        while (next != campaign.crossings.end() && next->block == static_cast<std::int64_t>(k)) ++next;
+        if (!b.done || b.reason == StopReason::Failed) continue;
+        const auto block =
+            observations.matched ? static_cast<std::int32_t>(k % observations.blocks.size()) : std::int32_t{-1};
+        RandomStream random(seed, k, RandomPurpose::Observation);
+        write.add(block);
+        const double error = errors.of_stop(block, random);
+        const double east = random.normal(), north = random.normal();
+        write.stop(b.stop.head<2>() + error * Vec2(east, north), b.reason == StopReason::AtRest);
+
+        const auto crossings = first_crossings({first, next}, op);
+        for (std::size_t s = 0; s < crossings.size(); ++s) {
+            const bool seen = crossings[s] && crossings[s]->measured_speed >= op.least_speed;
+            const KinematicValues values = seen_at_screen(
+                crossings[s] ? kinematics_of(*crossings[s]) : KinematicValues{}, errors, block, s, random);
+            write.passed(static_cast<std::int32_t>(s), seen);
+            if (seen) write.kinematics(static_cast<std::int32_t>(s), values);
+        }
+    }
+    return table;
+}
+
+}  // namespace scree

@@ -1,0 +1,354 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "scree/inference/observation_audit.hpp"
+
+#include "scree/inference/distance.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <iomanip>
+#include <map>
+#include <set>
+#include <sstream>
+
+namespace scree {
+
+namespace {
+
+constexpr std::size_t kListed = 4;    // offenders that a sentence names [-]
+constexpr double kSpeedSlack = 3.0;   // stated errors by which a speed may exceed the fall before it is impossible [-]
+constexpr double kDatumOffset = 1.0;  // [m] beyond the blocks' own size
+constexpr double kSameMass = 0.01;    // relative difference of masses that are the same [-]
+
+template <class... Parts>
+std::string words(const Parts&... parts) {
+    std::ostringstream out;
+    out.precision(4);
+    (out << ... << parts);
+    return out.str();
+}
+
+std::string fixed(double value, int digits) {
+    std::ostringstream s;
+    s << std::fixed << std::setprecision(digits) << value;
+    return s.str();
+}
+
+/// A list of names that stays short: "A, B and 3 more".
+class Names {
+public:
+    void add(const std::string& name) {
+        if (count_ < kListed) text_ += (count_ ? ", " : "") + name;
+        ++count_;
+    }
+    std::size_t count() const { return count_; }
+    std::string text() const { return count_ > kListed ? words(text_, " and ", count_ - kListed, " more") : text_; }
+    std::string counted(const char* one, const char* many) const {
+        return words(count_, " ", count_ == 1 ? one : many);
+    }
+
+private:
+    std::size_t count_ = 0;
+    std::string text_;
+};
+
+class Audit {
+public:
+    Audit(const Observations& observations, const ObservationOperator& op, const AuditSite& site)
+        : o_(observations), op_(op), site_(site) {}
+
+    std::vector<Finding> run() {
+        stops_on_terrain();
+        datum_offset();
+        speeds();
+        densities();
+        measured_once();
+        block_list();
+        crossings_at_screens();
+        shares();
+        stated_errors();
+        strength();
+        return std::move(findings_);
+    }
+
+private:
+    void find(Severity severity, const char* check, std::string sentence) {
+        findings_.push_back({severity, check, std::move(sentence)});
+    }
+    std::string name(std::int32_t block, std::int64_t row) const {
+        return block >= 0 ? o_.blocks[static_cast<std::size_t>(block)].id : words("row ", row);
+    }
+
+    void stops_on_terrain() {
+        Names off;
+        for (const ObservedStop& s : o_.stops) {
+            if (!std::isfinite(s.position.x()) || s.censored) continue;
+            if (site_.surface->facet_at(s.position.head<2>()) < 0) off.add(name(s.block, s.row));
+        }
+        if (off.count() > 0)
+            find(Severity::Error, "stops_off_terrain",
+                 words(off.counted("stop lies", "stops lie"), " off the DTM or over a hole in it (", off.text(),
+                       "): no simulated block can rest there; check coordinates and CRS, enlarge the DTM, or mark them "
+                       "as censored"));
+    }
+
+    void datum_offset() {
+        std::vector<double> above, scatter;
+        double size = 1.0;
+        for (const ObservedBlock& b : o_.blocks)
+            if (b.has_body()) size = std::max(size, b.size.x());
+        for (const ObservedStop& s : o_.stops) {
+            const double ground = site_.surface->height(s.position.head<2>());
+            if (std::isfinite(s.position.z() - ground)) above.push_back(s.position.z() - ground);
+        }
+        if (above.size() < 3) return;
+        std::sort(above.begin(), above.end());
+        const double median = sample_quantile(above, 0.5);
+        for (const double a : above) scatter.push_back(std::abs(a - median));
+        std::sort(scatter.begin(), scatter.end());
+        const double deviation = 1.4826 * sample_quantile(scatter, 0.5);  // that of a normal distribution
+        if (median < -0.5 * kDatumOffset || median > size + kDatumOffset)
+            find(Severity::Warning, "height_datum",
+                 words("the stops lie ", fixed(median, 2), " m above the model terrain in the median, scattered by ",
+                       fixed(deviation, 2),
+                       " m: their heights have another datum, or the DTM is another surface; heights of stops are not "
+                       "used"));
+        else if (deviation > kDatumOffset)
+            find(Severity::Warning, "height_scatter",
+                 words("the heights of the stops scatter by ", fixed(deviation, 2),
+                       " m about the model terrain: positions or DTM are less exact than that"));
+    }
+
+    /// Lowest ground that a crossing can have been at: a limit on its speed that nothing can break.
+    double ground_of(const ObservedCrossing& c) const {
+        double ground = site_.surface->height(c.position.head<2>());
+        if (std::isfinite(ground)) return ground;
+        ground = kInfinity;
+        for (std::size_t k = 0; k < site_.screens.size(); ++k) {
+            if (op_.screen_of[k] != c.screen) continue;
+            const std::vector<Vec2>& line = site_.screens[k].line;
+            for (std::size_t i = 1; i < line.size(); ++i) {
+                constexpr int kSteps = 100;
+                for (int j = 0; j <= kSteps; ++j) {
+                    const double h = site_.surface->height(line[i - 1] + j / double{kSteps} * (line[i] - line[i - 1]));
+                    if (std::isfinite(h)) ground = std::min(ground, h);
+                }
+            }
+        }
+        return ground;
+    }
+
+    void speeds() {
+        if (!std::isfinite(site_.highest_start)) return;
+        Names impossible, doubtful;
+        double worst = 0.0, allowed = 0.0;
+        std::string worst_screen;
+        for (const ObservedCrossing& c : o_.crossings) {
+            const double speed = c.value[0], drop = site_.highest_start - ground_of(c);
+            if (!std::isfinite(speed) || !std::isfinite(drop)) continue;
+            const double limit =
+                std::sqrt(std::max(0.0, site_.start_speed * site_.start_speed + 2.0 * site_.gravity * drop));
+            if (speed <= limit) continue;
+            (speed > limit + kSpeedSlack * c.error[0] ? impossible : doubtful).add(name(c.block, c.row));
+            if (speed - limit <= worst - allowed) continue;
+            worst = speed;
+            allowed = limit;
+            worst_screen = op_.screens[static_cast<std::size_t>(c.screen)];
+        }
+        const std::string worst_text = words(
+            "the largest is ", fixed(worst, 1), " m/s at ", worst_screen, ", where a fall from the highest start at ",
+            fixed(site_.highest_start + site_.map_height, 1), " m gives ", fixed(allowed, 1), " m/s");
+        if (impossible.count() > 0)
+            find(Severity::Error, "speed_above_fall",
+                 words(impossible.counted("speed is", "speeds are"), " above what the drop allows (", impossible.text(),
+                       "): ", worst_text, "; check units and times of the films, the release height and the screen"));
+        if (doubtful.count() > 0)
+            find(Severity::Warning, "speed_near_fall",
+                 words(doubtful.counted("speed is", "speeds are"),
+                       " above what the drop allows, within the stated error (", doubtful.text(),
+                       impossible.count() > 0 ? ")" : "): " + worst_text));
+    }
+
+    void densities() {
+        Names impossible, heavy, light;
+        double most = 0.0, least = kInfinity;
+        for (const ObservedBlock& b : o_.blocks) {
+            if (!b.has_body()) continue;
+            const double density = b.mass / (b.size.x() * b.size.y() * b.size.z());
+            const std::string text = words(b.id, " ", fixed(density, 0));
+            if (density < kImpossibleBox[0] || density > kImpossibleBox[1])
+                impossible.add(text);
+            else if (density > kHeaviestBox)
+                heavy.add(text);
+            else if (density < kLightestBox)
+                light.add(text);
+            most = std::max(most, density);
+            least = std::min(least, density);
+        }
+        const char* what = " with mass / (L1 L2 L3) ";
+        if (impossible.count() > 0)
+            find(Severity::Error, "density",
+                 words(impossible.counted("block", "blocks"), what, "that no rock has (", impossible.text(),
+                       " kg/m3): check the units, kg and m"));
+        if (heavy.count() > 0)
+            find(Severity::Warning, "density",
+                 words(heavy.counted("block", "blocks"), what, "above ", kHeaviestBox, " kg/m3 (", heavy.text(),
+                       "): too heavy for the box, so mass or lengths are wrong; they are used as they are"));
+        if (light.count() > 0)
+            find(Severity::Warning, "density",
+                 words(light.counted("block", "blocks"), what, "below ", kLightestBox, " kg/m3 (", light.text(),
+                       "): too light for the box, so mass or lengths are wrong; they are used as they are"));
+    }
+
+    void measured_once() {
+        std::set<std::int32_t> stopped;
+        std::set<std::pair<std::int32_t, std::int32_t>> crossed;
+        Names stops, crossings;
+        for (const ObservedStop& s : o_.stops)
+            if (s.block >= 0 && !stopped.insert(s.block).second) stops.add(name(s.block, s.row));
+        for (const ObservedCrossing& c : o_.crossings)
+            if (c.block >= 0 && !crossed.insert({c.block, c.screen}).second)
+                crossings.add(name(c.block, c.row) + " at " + op_.screens[static_cast<std::size_t>(c.screen)]);
+        if (stops.count() > 0)
+            find(Severity::Error, "duplicate_id",
+                 words(stops.counted("block_id has", "block_ids have"), " more than one stop (", stops.text(),
+                       "): give every throw an id of its own, also of a block thrown again"));
+        if (crossings.count() > 0)
+            find(Severity::Error, "duplicate_id",
+                 words(crossings.counted("block_id crosses", "block_ids cross"), " a screen more than once (",
+                       crossings.text(), "): keep the first crossing, and give every throw an id of its own"));
+    }
+
+    void block_list() {
+        if (site_.blocks.empty()) return;
+        std::map<std::string, double> mass;
+        for (const BlockRow& row : site_.blocks) mass[row.id] = row.mass;
+        Names unknown, other;
+        for (const ObservedBlock& b : o_.blocks) {
+            const auto row = mass.find(b.id);
+            if (row == mass.end())
+                unknown.add(b.id);
+            else if (b.has_body() && std::abs(b.mass - row->second) > kSameMass * row->second)
+                other.add(words(b.id, " ", fixed(b.mass, 0), " for ", fixed(row->second, 0), " kg"));
+        }
+        // where no id is known at all, the list is a population and not a register of the test
+        if (unknown.count() > 0 && unknown.count() < o_.blocks.size())
+            find(Severity::Warning, "id_not_in_list",
+                 words(unknown.counted("block_id is", "block_ids are"), " not in the block list of the site (",
+                       unknown.text(), "): mass and lengths of the observations are used"));
+        if (other.count() > 0)
+            find(Severity::Warning, "mass_differs",
+                 words(other.counted("block has", "blocks have"),
+                       " another mass in the observations than in the block list (", other.text(),
+                       "): that of the observations is used"));
+    }
+
+    double distance_to_screen(const ObservedCrossing& c) const {
+        double nearest = kInfinity;
+        for (std::size_t k = 0; k < site_.screens.size(); ++k) {
+            if (op_.screen_of[k] != c.screen) continue;
+            const std::vector<Vec2>& line = site_.screens[k].line;
+            for (std::size_t i = 1; i < line.size(); ++i) {
+                const Vec2 span = line[i] - line[i - 1], p = c.position.head<2>() - line[i - 1];
+                const double share = std::clamp(p.dot(span) / std::max(span.squaredNorm(), 1e-300), 0.0, 1.0);
+                nearest = std::min(nearest, (p - share * span).norm());
+            }
+        }
+        return nearest;
+    }
+
+    void crossings_at_screens() {
+        Names far;
+        double farthest = 0.0;
+        for (const ObservedCrossing& c : o_.crossings) {
+            if (!std::isfinite(c.position.x())) continue;
+            const double distance = distance_to_screen(c);
+            if (distance <= kFarFromScreen) continue;
+            far.add(name(c.block, c.row) + " at " + op_.screens[static_cast<std::size_t>(c.screen)]);
+            farthest = std::max(farthest, distance);
+        }
+        if (far.count() > 0)
+            find(Severity::Warning, "far_from_screen",
+                 words(far.counted("crossing lies", "crossings lie"), " more than ", kFarFromScreen,
+                       " m from the line of its screen (", far.text(), "; the farthest by ", fixed(farthest, 1),
+                       " m): check the names of the screens and where the site draws them"));
+    }
+
+    void shares() {
+        std::int64_t sum = 0, thrown = 0;
+        bool possible = true;
+        for (const ObservedShare& s : o_.shares) {
+            sum += s.count;
+            thrown = std::max(thrown, s.thrown);
+            if (s.thrown > 0 && s.count >= 0 && s.count <= s.thrown) continue;
+            possible = false;
+            find(Severity::Error, "share",
+                 words("deposit zone ", op_.zones[static_cast<std::size_t>(s.zone)], " holds ", s.count, " of ",
+                       s.thrown, " blocks: a count lies between 0 and the number thrown"));
+        }
+        if (possible && sum > thrown)
+            find(Severity::Warning, "share",
+                 words("the deposit zones hold ", sum, " of ", thrown, " blocks thrown: right only if zones overlap"));
+        if (o_.thrown <= 0) return;
+        std::vector<std::int64_t> passed(op_.screens.size(), 0);
+        for (const ObservedCrossing& c : o_.crossings) ++passed[static_cast<std::size_t>(c.screen)];
+        std::string what;
+        for (std::size_t s = 0; s < passed.size(); ++s)
+            if (passed[s] > o_.thrown) what = words(passed[s], " blocks crossed screen ", op_.screens[s]);
+        if (static_cast<std::int64_t>(o_.stops.size()) > o_.thrown) what = words(o_.stops.size(), " blocks stopped");
+        if (!what.empty())
+            find(Severity::Error, "thrown", words(what, ", but only ", o_.thrown, " were thrown: set observed.thrown"));
+    }
+
+    void stated_errors() {
+        std::string missing;
+        const bool stops = std::any_of(o_.stops.begin(), o_.stops.end(), [](const auto& s) { return s.error > 0.0; });
+        if (!o_.stops.empty() && !stops) missing += "position_error_m";
+        constexpr std::array<const char*, kKinematics> kFields{"speed_error_ms", "height_error_m", "spin_error_rads",
+                                                               "energy_error_kj"};
+        for (std::size_t k = 0; k < kKinematics; ++k) {
+            bool measured = false, stated = false;
+            for (const ObservedCrossing& c : o_.crossings) {
+                measured = measured || std::isfinite(c.value[k]);
+                stated = stated || c.error[k] > 0.0;
+            }
+            if (measured && !stated) missing += (missing.empty() ? "" : ", ") + std::string(kFields[k]);
+        }
+        if (!missing.empty())
+            find(Severity::Warning, "no_error_stated",
+                 words("no measurement error is stated (", missing, "): the values are taken as exact"));
+    }
+
+    void strength() {
+        Names censored, broken;
+        for (const ObservedStop& s : o_.stops) {
+            if (s.censored) censored.add(name(s.block, s.row));
+            if (s.broken) broken.add(name(s.block, s.row));
+        }
+        if (censored.count() > 0)
+            find(Severity::Warning, "censored",
+                 words(censored.counted("stop is", "stops are"), " only where a block was last seen (", censored.text(),
+                       "): they count as stops there, like simulated blocks that leave the terrain"));
+        if (broken.count() > 0)
+            find(Severity::Warning, "broken",
+                 words(broken.counted("block", "blocks"), " broke on the way (", broken.text(),
+                       "): simulated blocks stay whole; see observed.broken"));
+        const std::size_t blocks = o_.matched ? o_.blocks.size() : std::max(o_.stops.size(), o_.crossings.size());
+        if (blocks < kFewBlocks && o_.shares.empty())
+            find(Severity::Warning, "few_blocks",
+                 words("only ", blocks, " blocks were measured: gaps within chance then mean little"));
+    }
+
+    const Observations& o_;
+    const ObservationOperator& op_;
+    const AuditSite& site_;
+    std::vector<Finding> findings_;
+};
+
+}  // namespace
+
+std::vector<Finding> audit_observations(const Observations& observations, const ObservationOperator& op,
+                                        const AuditSite& site) {
+    return Audit(observations, op, site).run();
+}
+
+}  // namespace scree

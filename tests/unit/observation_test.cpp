@@ -1,0 +1,231 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Measurements and simulations as tables: what is in which cell, and that the operator does to the simulation what was done to the measurement.
+#include "scree/inference/observation.hpp"
+
+#include "scree/inference/discrepancy.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+namespace scree {
+namespace {
+
+double cell(const ObservationTable& table, const Column& column, std::size_t row) {
+    const std::size_t k = table.find(column);
+    return k < table.columns.size() ? table.values[k][row] : -999.0;
+}
+
+/// Eastwards from the origin, two screens, a zone from x = 30 on.
+ObservationOperator test_operator() {
+    ObservationOperator op;
+    op.screens = {"upper", "lower"};
+    op.screen_of = {0, 1};
+    op.zones = {"flat"};
+    op.zone_areas.emplace_back(0, Region({Polygon{{{30, -50}, {100, -50}, {100, 50}, {30, 50}}, {}}}));
+    return op;
+}
+
+/// Two known blocks: the first passed the upper screen and rests at (40, 3), the second stopped at (10, -2) before it.
+Observations test_observations() {
+    Observations o;
+    o.blocks = {{"a", 100.0, {1, 1, 1}, {kNaN, kNaN}}, {"b", 200.0, {1, 1, 1}, {kNaN, kNaN}}};
+    o.stops = {{1, 0, {40, 3, kNaN}, 0.0, false, false}, {2, 1, {10, -2, kNaN}, 0.0, false, false}};
+    ObservedCrossing crossing;
+    crossing.block = 0;
+    crossing.value = {7.5, 0.4, kNaN, kNaN};
+    o.crossings = {crossing};
+    o.thrown = 2;
+    o.matched = true;
+    return o;
+}
+
+BlockResult at_rest(const Vec2& stop) {
+    BlockResult b;
+    b.done = true;
+    b.reason = StopReason::AtRest;
+    b.stop = {stop.x(), stop.y(), 0.0};
+    return b;
+}
+
+ScreenCrossing crossing_of(std::int64_t block, std::int32_t screen, double time, double speed) {
+    ScreenCrossing c;
+    c.block = block;
+    c.screen = screen;
+    c.time = time;
+    c.velocity = {speed, 0, 0};
+    c.measured_speed = speed;
+    c.height = 0.5;
+    return c;
+}
+
+TEST(MeasuredTable, OfKnownBlocksHasOneRowEach) {
+    const ObservationTable t = measured_table(test_observations(), test_operator());
+    ASSERT_EQ(t.rows(), 2U);
+    EXPECT_EQ(t.block, (std::vector<std::int32_t>{0, 1}));
+    EXPECT_DOUBLE_EQ(cell(t, {Quantity::Along, -1}, 0), 40.0);
+    EXPECT_DOUBLE_EQ(cell(t, {Quantity::Lateral, -1}, 0), 3.0);
+    EXPECT_DOUBLE_EQ(cell(t, {Quantity::Runout, -1}, 0), std::hypot(40.0, 3.0));
+    EXPECT_EQ(cell(t, {Quantity::InZone, 0}, 0), 1.0);
+    EXPECT_EQ(cell(t, {Quantity::InZone, 0}, 1), 0.0);
+    EXPECT_EQ(cell(t, {Quantity::Speed, 0}, 0), 7.5);
+    EXPECT_EQ(cell(t, {Quantity::Passed, 0}, 0), 1.0);
+    EXPECT_EQ(cell(t, {Quantity::Passed, 0}, 1), 0.0) << "known, and not seen at a screen that saw others";
+    EXPECT_TRUE(std::isnan(cell(t, {Quantity::Speed, 0}, 1)));
+    EXPECT_EQ(cell(t, {Quantity::Spin, 0}, 0), -999.0) << "nobody measured spin: there is no column";
+    EXPECT_EQ(cell(t, {Quantity::Passed, 1}, 0), -999.0) << "nobody measured at the lower screen";
+}
+
+TEST(MeasuredTable, OfAPoolHasOneRowPerRecord) {
+    Observations o = test_observations();
+    o.matched = false;
+    const ObservationTable t = measured_table(o, test_operator());
+    ASSERT_EQ(t.rows(), 3U);
+    EXPECT_EQ(t.block, (std::vector<std::int32_t>{-1, -1, -1}));
+    EXPECT_TRUE(std::isnan(cell(t, {Quantity::Speed, 0}, 0)));
+    EXPECT_EQ(cell(t, {Quantity::Speed, 0}, 2), 7.5);
+    EXPECT_TRUE(std::isnan(cell(t, {Quantity::Along, -1}, 2)));
+}
+
+TEST(SimulatedTable, SeesWhatTheTestWouldHaveSeen) {
+    CampaignResult campaign;
+    campaign.blocks = {at_rest({50, 1}), at_rest({12, 0}), at_rest({35, -4}), at_rest({36, 0})};
+    campaign.blocks[1].reason = StopReason::Failed;
+    campaign.blocks[3].reason = StopReason::LeftTerrain;
+    campaign.crossings = {crossing_of(0, 0, 2.0, 6.0), crossing_of(2, 0, 3.0, 0.3), crossing_of(2, 1, 4.0, 5.0)};
+    ObservationOperator op = test_operator();
+    op.least_speed = 0.5;
+    op.runout_limit = 45.0;
+    const ObservationTable t = simulated_table(campaign, test_observations(), op, 1);
+    ASSERT_EQ(t.rows(), 3U) << "the failed block is no observation";
+    EXPECT_EQ(t.block, (std::vector<std::int32_t>{0, 0, 1})) << "block k of the campaign is block k mod 2 of the test";
+    EXPECT_DOUBLE_EQ(cell(t, {Quantity::Along, -1}, 0), 45.0) << "the survey ended there";
+    EXPECT_DOUBLE_EQ(cell(t, {Quantity::Lateral, -1}, 0), 1.0);
+    EXPECT_DOUBLE_EQ(cell(t, {Quantity::Runout, -1}, 0), std::hypot(45.0, 1.0));
+    EXPECT_EQ(cell(t, {Quantity::Speed, 0}, 0), 6.0);
+    EXPECT_EQ(cell(t, {Quantity::Passed, 0}, 1), 0.0) << "too slow for the camera";
+    EXPECT_TRUE(std::isnan(cell(t, {Quantity::Speed, 0}, 1)));
+    EXPECT_EQ(cell(t, {Quantity::InZone, 0}, 1), 1.0);
+    EXPECT_EQ(cell(t, {Quantity::InZone, 0}, 2), 0.0) << "it left the terrain: at rest in no zone";
+    EXPECT_DOUBLE_EQ(cell(t, {Quantity::Along, -1}, 2), 36.0) << "and counts where it was last seen";
+}
+
+TEST(SimulatedTable, TakesTheFirstPartOfAScreenThatABlockMeets) {
+    CampaignResult campaign;
+    campaign.blocks = {at_rest({50, 0}), at_rest({50, 0})};
+    campaign.crossings = {crossing_of(0, 0, 5.0, 6.0), crossing_of(0, 1, 2.0, 9.0)};
+    ObservationOperator op = test_operator();
+    op.screens = {"both"};
+    op.screen_of = {0, 0};
+    const ObservationTable t = simulated_table(campaign, test_observations(), op, 1);
+    EXPECT_EQ(cell(t, {Quantity::Speed, 0}, 0), 9.0);
+}
+
+TEST(SimulatedTable, AddsTheStatedErrorsAndNothingElse) {
+    // errors of 2 m and 0.7 m/s on 4000 blocks: means and deviations within 5 standard errors
+    constexpr std::size_t n = 4000;
+    CampaignResult campaign;
+    for (std::size_t k = 0; k < n; ++k) {
+        campaign.blocks.push_back(at_rest({60, 0}));
+        campaign.crossings.push_back(crossing_of(static_cast<std::int64_t>(k), 0, 1.0, 10.0));
+    }
+    for (const bool matched : {true, false}) {
+        Observations o = test_observations();
+        o.matched = matched;
+        for (ObservedStop& s : o.stops) s.error = 2.0;
+        o.crossings[0].error = {0.7, 0.0, 0.0, 0.0};
+        const ObservationTable t = simulated_table(campaign, o, test_operator(), 3);
+        const auto deviation = [&](const Column& column, double centre) {
+            double sum = 0.0, squares = 0.0;
+            for (std::size_t k = 0; k < n; ++k) sum += cell(t, column, k) - centre;
+            for (std::size_t k = 0; k < n; ++k) squares += std::pow(cell(t, column, k) - centre, 2.0);
+            EXPECT_NEAR(sum / n, 0.0, 5.0 * std::sqrt(squares / n / n));
+            return std::sqrt(squares / n);
+        };
+        EXPECT_NEAR(deviation({Quantity::Along, -1}, 60.0), 2.0, 5.0 * 2.0 / std::sqrt(2.0 * n));
+        EXPECT_NEAR(deviation({Quantity::Lateral, -1}, 0.0), 2.0, 5.0 * 2.0 / std::sqrt(2.0 * n));
+        EXPECT_NEAR(deviation({Quantity::Speed, 0}, 10.0), 0.7, 5.0 * 0.7 / std::sqrt(2.0 * n));
+        EXPECT_EQ(deviation({Quantity::Height, 0}, 0.5), 0.0) << "no error is stated for it";
+    }
+}
+
+TEST(SimulatedTable, MixesDifferentErrorsOfAPool) {
+    // half of the stops known to 4 m, half exactly: the variance is that of the mixture, 8 m^2
+    constexpr std::size_t n = 6000;
+    CampaignResult campaign;
+    for (std::size_t k = 0; k < n; ++k) campaign.blocks.push_back(at_rest({60, 0}));
+    Observations o = test_observations();
+    o.matched = false;
+    o.stops[0].error = 4.0;
+    const ObservationTable t = simulated_table(campaign, o, test_operator(), 3);
+    double squares = 0.0;
+    std::size_t exact = 0;
+    for (std::size_t k = 0; k < n; ++k) {
+        const double d = cell(t, {Quantity::Along, -1}, k) - 60.0;
+        squares += d * d;
+        exact += d == 0.0;
+    }
+    EXPECT_NEAR(squares / n, 8.0, 0.8);
+    EXPECT_NEAR(static_cast<double>(exact) / n, 0.5, 0.04);
+}
+
+TEST(SimulatedTable, ErrorsOfABlockDependOnNothingElse) {
+    CampaignResult few, many;
+    for (int k = 0; k < 10; ++k) many.blocks.push_back(at_rest({60.0 + k, 0}));
+    few.blocks.assign(many.blocks.begin(), many.blocks.begin() + 4);
+    Observations o = test_observations();
+    o.stops[0].error = o.stops[1].error = 1.0;
+    const ObservationTable a = simulated_table(few, o, test_operator(), 3),
+                           b = simulated_table(many, o, test_operator(), 3);
+    for (std::size_t k = 0; k < 4; ++k) EXPECT_EQ(cell(a, {Quantity::Along, -1}, k), cell(b, {Quantity::Along, -1}, k));
+    EXPECT_NE(cell(a, {Quantity::Along, -1}, 0),
+              cell(simulated_table(few, o, test_operator(), 4), {Quantity::Along, -1}, 0));
+}
+
+TEST(Observables, AreWhatWasMeasured) {
+    Observations o = test_observations();
+    const auto names = [&] {
+        std::string text;
+        for (const Observable& observable : make_observables(o, test_operator()))
+            text += observable.name + (observable.overall ? "*" : "") + (observable.matched ? "" : "~") + "; ";
+        return text;
+    };
+    EXPECT_EQ(names(),
+              "stop position*; runout; distance along; lateral; deposit zones; passing upper; speed at upper*; height "
+              "at upper*; ");
+    o.matched = false;
+    EXPECT_EQ(names(),
+              "stop position*~; runout~; distance along~; lateral~; deposit zones~; passing upper*~; speed at upper*~; "
+              "height at upper*~; ");
+    o.thrown = 0;
+    EXPECT_EQ(
+        names(),
+        "stop position*~; runout~; distance along~; lateral~; deposit zones~; speed at upper*~; height at upper*~; ");
+    o.stops.clear();
+    o.crossings.clear();
+    o.shares = {{1, 0, 20, 50}};
+    EXPECT_EQ(names(), "deposit zones*~; ");
+}
+
+TEST(Observables, OfAKnownBlockThatDidNotPassIsNoMotion) {
+    // block b never reaches the screen: speed 0 counts as measured; of a pool it would be missing
+    const Observations o = test_observations();
+    const ObservationOperator op = test_operator();
+    CampaignResult campaign;
+    for (int k = 0; k < 8; ++k) {
+        campaign.blocks.push_back(at_rest({40, 0}));
+        if (k % 2 == 0) campaign.crossings.push_back(crossing_of(k, 0, 1.0, 7.0 + k));
+    }
+    const ObservationTable measured = measured_table(o, op), simulated = simulated_table(campaign, o, op, 1);
+    for (const Observable& observable : make_observables(o, op)) {
+        if (observable.name != "speed at upper") continue;
+        const ObservableSample sample = observable_sample(measured, simulated, observable);
+        EXPECT_EQ(sample.measured.values, (std::vector<double>{7.5, 0.0}));
+        ASSERT_EQ(sample.strata.size(), 2U);
+        EXPECT_EQ(sample.simulated.size(), 8U);
+        for (const std::uint32_t m : sample.strata[1]) EXPECT_EQ(sample.simulated.values[m], 0.0);
+    }
+}
+
+}  // namespace
+}  // namespace scree
