@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "gis/crs.hpp"
 
+#include "gis/gdal_scope.hpp"
 #include "gis/words.hpp"
 #include "scree/base/error.hpp"
 
@@ -112,6 +113,17 @@ HorizontalCrs horizontal_part(const OGRSpatialReference* crs) {
     HorizontalCrs result{text ? text : "", crs_name(flat)};
     CPLFree(text);
     return result;
+}
+
+HorizontalCrs named_crs(const std::string& text, const std::string& place) {
+    const GdalScope scope;
+    OGRSpatialReference crs;
+    static constexpr const char* kNoFiles[] = {"ALLOW_NETWORK_ACCESS=NO", "ALLOW_FILE_ACCESS=NO", nullptr};
+    const bool known = crs.SetFromUserInput(text.c_str(), kNoFiles) == OGRERR_NONE;
+    const HorizontalCrs horizontal = known ? horizontal_part(&crs) : HorizontalCrs{};
+    if (horizontal.wkt.empty())
+        throw InputError(words(place, " names the CRS '", text, "', which PROJ does not know; write it as EPSG:2154."));
+    return horizontal;
 }
 
 bool same_map(const std::string& a, const std::string& b) {

@@ -19,6 +19,9 @@ struct HorizontalCrs {
 /// The horizontal part of a CRS; unknown where there is none, or where a GeoPackage says "undefined".
 HorizontalCrs horizontal_part(const OGRSpatialReference* crs);
 
+/// The CRS that people name by "EPSG:2154" or WKT. Throws InputError; `place` begins the message.
+HorizontalCrs named_crs(const std::string& text, const std::string& place);
+
 /// Whether two CRSs (as WKT) put a position at the same easting and northing.
 bool same_map(const std::string& a, const std::string& b);
 /// Whether positions in this CRS (as WKT) are longitude and latitude.

@@ -34,11 +34,16 @@ void check_names(const ResultsPackage& package) {
 
     std::set<std::string> files = {"results.gpkg", "results.qgs", "rasters", kChecksumFile};
     for (const TextFile& file : package.files) {
-        const bool plain = !file.name.empty() && file.name == fs::path(file.name).filename().string() &&
-                           file.name != "." && file.name != "..";
+        const fs::path path(file.name);
+        const auto is_plain = [](const fs::path& part) {
+            return !part.empty() && part == part.filename() && part != "." && part != "..";
+        };
+        const bool plain = is_plain(path.filename()) && path.is_relative() &&
+                           (path.parent_path().empty() || is_plain(path.parent_path())) &&
+                           path.parent_path() != "rasters";
         if (!plain || !files.insert(file.name).second) {
             throw InputError("results: a file cannot be called \"" + file.name +
-                             "\"; allowed is a name without folders that nothing else in the results has");
+                             "\"; allowed is a name, in at most one folder, that nothing else in the results has");
         }
     }
 }
@@ -62,7 +67,10 @@ void write_into(ResultsFolder& results, const ResultsPackage& package) {
     write_geopackage_tables(geopackage, package.title, package.vectors, written, package.provenance);
     write_text(results.path() / "results.qgs",
                qgis_project(package.frame, package.title, package.vectors, written, package.rasters));
-    for (const TextFile& file : package.files) write_text(results.path() / file.name, file.text);
+    for (const TextFile& file : package.files) {
+        fs::create_directories((results.path() / file.name).parent_path());
+        write_text(results.path() / file.name, file.text);
+    }
 }
 
 }  // namespace

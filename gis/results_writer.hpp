@@ -11,9 +11,9 @@
 
 namespace scree::gis {
 
-/// A file that goes into the folder as it is: run.toml, report.html.
+/// A file that goes into the folder as it is: run.toml, report.html, figures/map.svg.
 struct TextFile {
-    std::string name{};
+    std::string name{};  ///< may begin with the name of one folder
     std::string text{};
 };
 

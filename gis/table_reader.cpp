@@ -130,8 +130,9 @@ std::vector<Table::Row> split(const std::string& text, char separator, const std
     return rows;
 }
 
-// A number, none if the text is something else. The comma is the decimal point if `comma` says so.
-std::optional<double> parsed(std::string text, bool comma) {
+}  // namespace
+
+std::optional<double> parse_number(std::string text, bool comma) {
     if (comma) {
         const std::size_t at = text.find(',');
         if (at != std::string::npos &&
@@ -147,14 +148,11 @@ std::optional<double> parsed(std::string text, bool comma) {
     return value;
 }
 
-// 1,200 is 1.2 for some and 1200 for others.
-bool is_ambiguous(const std::string& text) {
+bool is_ambiguous_number(const std::string& text) {
     const std::size_t comma = text.find(',');
     return comma != std::string::npos && comma >= 1 && comma <= 3 && text.size() == comma + 4 && text[0] != '0' &&
            std::all_of(text.begin(), text.end(), [](char c) { return c == ',' || (c >= '0' && c <= '9'); });
 }
-
-}  // namespace
 
 Table read_table(const std::string& file, const std::string& purpose) {
     Table table;
@@ -200,8 +198,8 @@ std::vector<double> number_column(const Table& table, const std::string& column,
     bool ambiguous = false;
     for (const Table::Row& row : table.rows) {
         const std::string& text = row.cells[index];
-        const std::optional<double> value = parsed(text, comma);
-        const bool unclear = comma && is_ambiguous(text);
+        const std::optional<double> value = parse_number(text, comma);
+        const bool unclear = comma && is_ambiguous_number(text);
         ambiguous = ambiguous || unclear;
         if (!value || !(*value > above && *value <= up_to) || unclear) {
             if (++count <= kListed) wrong += words(count > 1 ? ", '" : "'", text, "' in line ", row.line);

@@ -4,6 +4,7 @@
 #include "scree/geometry/types.hpp"
 
 #include <cstddef>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -33,6 +34,11 @@ std::size_t column_index(const Table& table, const std::string& column);
 /// A decimal comma is understood where the separator is not a comma; what could also be a thousands mark (1,200) is refused.
 std::vector<double> number_column(const Table& table, const std::string& column, double above = -kInfinity,
                                   double up_to = kInfinity);
+
+/// A number as a table writes it, none if the text is something else. `comma`: the comma is the decimal point.
+std::optional<double> parse_number(std::string text, bool comma);
+/// Whether the text is one number for some and another for others: 1,200.
+bool is_ambiguous_number(const std::string& text);
 
 /// A block of the block list.
 struct BlockRow {

@@ -46,7 +46,7 @@ OGRLayer& chosen_layer(GDALDataset& dataset, const VectorSource& source) {
     for (int i = 0; i < dataset.GetLayerCount(); ++i) {
         OGRLayer* layer = dataset.GetLayer(i);
         // tables without geometries, such as the styles that QGIS stores, are no candidates
-        if (!layer || layer->GetGeomType() == wkbNone) continue;
+        if (!layer || (layer->GetGeomType() == wkbNone && !source.geometry_optional)) continue;
         if (layer->GetName() == source.layer) return *layer;
         candidates.push_back(layer);
         names += words(candidates.size() > 1 ? ", '" : "'", layer->GetName(), "'");
@@ -89,6 +89,7 @@ private:
     }
 
     void prepare_transform(OGRLayer& layer) {
+        if (layer.GetGeomType() == wkbNone) return;
         const HorizontalCrs crs = horizontal_part(layer.GetSpatialRef());
         data_.report.crs_name = crs.name;
         degrees_ = !crs.wkt.empty() && in_degrees(crs.wkt);
@@ -125,11 +126,13 @@ private:
         layer.ResetReading();
         while (const OGRFeatureUniquePtr feature{layer.GetNextFeature()}) {
             const OGRGeometry* geometry = feature->GetGeometryRef();
-            if (!geometry || geometry->IsEmpty()) {
-                if (++without_geometry == 1) first_without = feature->GetFID();
-                continue;
+            if (geometry && !geometry->IsEmpty()) {
+                read_feature(*feature, *geometry);
+            } else if (source_.geometry_optional) {
+                add_feature(*feature, {});
+            } else if (++without_geometry == 1) {
+                first_without = feature->GetFID();
             }
-            read_feature(*feature, *geometry);
         }
         if (!scope_.reason().empty())
             refuse(words("cannot be read to its end", scope_.reason(), "; the file is damaged, copy it again."));
@@ -165,10 +168,15 @@ private:
         if (kind == GeometryKind::Polygon) check_valid(geometry);
 
         box_ = {};
+        Geometry local_geometry = converted(geometry, kind);
+        boxes_.emplace_back(id_, box_);
+        add_feature(source, std::move(local_geometry));
+    }
+
+    void add_feature(const OGRFeature& source, Geometry geometry) {
         Feature feature;
-        feature.id = id_;
-        feature.geometry = converted(geometry, kind);
-        boxes_.push_back(box_);
+        feature.id = source.GetFID();
+        feature.geometry = std::move(geometry);
         for (int f = 0; f < static_cast<int>(data_.layer.fields.size()); ++f)
             feature.values.push_back(value_of(source, f));
         data_.layer.features.push_back(std::move(feature));
@@ -318,16 +326,15 @@ private:
         Box2 all;
         std::size_t outside = 0, across = 0;
         std::int64_t first_outside = 0, first_across = 0;
-        for (std::size_t i = 0; i < boxes_.size(); ++i) {
-            all.add(boxes_[i]);
-            const std::int64_t id = data_.layer.features[i].id;
-            if (!extent_.overlaps(boxes_[i])) {
+        for (const auto& [id, box] : boxes_) {
+            all.add(box);
+            if (!extent_.overlaps(box)) {
                 if (++outside == 1) first_outside = id;
-            } else if (!(extent_.contains(boxes_[i].min) && extent_.contains(boxes_[i].max))) {
+            } else if (!(extent_.contains(box.min) && extent_.contains(box.max))) {
                 if (++across == 1) first_across = id;
             }
         }
-        if (outside == boxes_.size()) {
+        if (outside == boxes_.size() && !boxes_.empty()) {
             refuse(words(
                 "lies wholly outside of the terrain: it spans ", span(all, frame_),
                 " in the terrain's CRS, the terrain ", span(extent_, frame_),
@@ -345,7 +352,7 @@ private:
     }
 
     void report_operation() {
-        if (!transform_) return;
+        if (!transform_ || boxes_.empty()) return;
         const CrsTransform::Operation operation = transform_->last_operation();
         data_.report.operation = operation.name;
         data_.report.accuracy = operation.accuracy;
@@ -365,13 +372,22 @@ private:
     std::string place_;
     std::optional<CrsTransform> transform_;
     bool degrees_ = false;
-    std::int64_t id_ = 0;      // of the feature at hand
-    Box2 box_;                 // of the feature at hand [m]
-    Box2 source_box_;          // of all features, in the CRS of the file
-    std::vector<Box2> boxes_;  // per feature [m]
+    std::int64_t id_ = 0;                               // of the feature at hand
+    Box2 box_;                                          // of the feature at hand [m]
+    Box2 source_box_;                                   // of all features, in the CRS of the file
+    std::vector<std::pair<std::int64_t, Box2>> boxes_;  // per feature with a geometry its id and extent [m]
 };
 
 }  // namespace
+
+std::vector<std::string> layer_names(const std::string& file, const std::string& purpose) {
+    const GdalScope scope;
+    const DatasetPtr dataset = open_dataset(file, DatasetKind::Vector, purpose, scope);
+    std::vector<std::string> names;
+    for (int i = 0; i < dataset->GetLayerCount(); ++i)
+        if (OGRLayer* layer = dataset->GetLayer(i)) names.emplace_back(layer->GetName());
+    return names;
+}
 
 VectorData read_vector(const VectorSource& source, const LocalFrame& frame, const Box2& extent) {
     return LayerReader(source, frame, extent).read();

@@ -15,6 +15,7 @@ struct VectorSource {
     std::vector<GeometryKind> kinds;      ///< allowed kinds; the features of a layer must all have the same one
     std::string purpose = "vector file";  ///< what messages call it: "release zones"
     bool may_reach_beyond = false;        ///< true: no warning for features beyond the extent, as is usual for soils
+    bool geometry_optional = false;  ///< true: features without a geometry, and whole tables without, are read, too
 };
 
 struct VectorReport {
@@ -40,6 +41,9 @@ struct VectorData {
 /// repaired. Features without a geometry are left out with a warning. An edge is straight in the map frame between its transformed
 /// ends. A layer that lies wholly outside of the extent is refused; features that do or that reach beyond it give a warning.
 VectorData read_vector(const VectorSource& source, const LocalFrame& frame, const Box2& extent);
+
+/// Names of all layers and tables of a file.
+std::vector<std::string> layer_names(const std::string& file, const std::string& purpose);
 
 /// Allowed values of a numeric field.
 struct NumberRule {

@@ -249,6 +249,18 @@ TEST(ResultsFolder, AFolderThatCannotBeWrittenIsRefusedAtOnce) {
                 HasSubstr("cannot be written there"));
 }
 
+TEST(Results, FilesMayLieInAFolderOfTheirOwn) {
+    const test::TempDir dir;
+    ResultsPackage package = small();
+    package.files = {{"report.html", "a report"}, {"figures/map.svg", "a map"}, {"figures/bars.svg", "bars"}};
+    write_results(dir / "out", package, false);
+    EXPECT_EQ(text_of(dir / "out/figures/map.svg"), "a map");
+    EXPECT_THAT(text_of(dir / "out/SHA256SUMS"), HasSubstr("figures/bars.svg"));
+    package.files.pop_back();
+    write_results(dir / "out", package, true);
+    EXPECT_FALSE(fs::exists(dir / "out/figures/bars.svg")) << "it belonged to the result that was replaced";
+}
+
 TEST(Results, NamesAndTitlesMustDiffer) {
     const test::TempDir dir;
     ResultsPackage twice = small();
@@ -258,7 +270,8 @@ TEST(Results, NamesAndTitlesMustDiffer) {
     twice.vectors[1].data.name = "others";
     twice.vectors[1].title = "stopping_points";
     EXPECT_THAT(message_of([&] { write_results(dir / "out", twice, false); }), HasSubstr("the title"));
-    for (const char* name : {"", "..", "a/b", "results.gpkg", "SHA256SUMS"}) {
+    for (const char* name :
+         {"", "..", "a/b/c", "/a", "../a", "a/..", "a/", "rasters/a", "results.gpkg", "SHA256SUMS"}) {
         ResultsPackage package = small();
         package.files = {{name, ""}};
         EXPECT_THAT(message_of([&] { write_results(dir / "out", package, false); }), HasSubstr("cannot be called"));

@@ -1,0 +1,223 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "gis/observation_reader.hpp"
+
+#include "gis/observation_tables.hpp"
+#include "gis/vector_reader.hpp"
+#include "gis/words.hpp"
+#include "scree/base/error.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <filesystem>
+
+namespace scree::gis {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::array kTables{kStopsTable, kCrossingsTable, kSharesTable, kReleasesTable};
+const std::vector<std::string> kPositionFields{"easting_m",    "northing_m", "longitude_deg",
+                                               "latitude_deg", "z_m",        "crs"};
+const std::vector<std::string> kBodyFields{"block_id", "mass_kg", "l1_m", "l2_m", "l3_m"};
+
+constexpr double kMaxMass = 1e7;           // [kg]
+constexpr double kMaxEdge = 50.0;          // [m]
+constexpr double kMaxSpeed = 300.0;        // [m/s]
+constexpr double kMaxSpin = 1000.0;        // [rad/s]
+constexpr double kMaxError = 1000.0;       // [m, m/s, ...]
+constexpr double kMaxBlocks = 1e9;         // [-]
+constexpr double kPercentRounding = 0.06;  // [%] of a share that is printed with one decimal
+
+std::vector<std::string> joined(std::vector<std::string> a, const std::vector<std::string>& b) {
+    a.insert(a.end(), b.begin(), b.end());
+    return a;
+}
+
+ObservedBody body_of(const RecordTable& table, const RecordTable::Record& record) {
+    ObservedBody body;
+    body.id = table.has("block") ? table.text(record, "block") : table.text(record, "block_id");
+    body.mass = table.number(record, "mass_kg", 0.0, kMaxMass);
+    std::array<double, 3> edges{};
+    constexpr std::array<const char*, 3> kNames{"l1_m", "l2_m", "l3_m"};
+    for (std::size_t k = 0; k < 3; ++k) edges[k] = table.number(record, kNames[k], 0.0, kMaxEdge);
+    if (std::isfinite(edges[0] + edges[1] + edges[2])) std::sort(edges.rbegin(), edges.rend());
+    body.l1 = edges[0];
+    body.l2 = edges[1];
+    body.l3 = edges[2];
+    return body;
+}
+
+void add_stops(RecordTable& table, ObservationRecords& records) {
+    table.warn_of_unread(
+        joined(joined(kPositionFields, kBodyFields), {"position_error_m", "stop_reason", "censored", "broken"}));
+    std::size_t failed = 0;
+    for (const RecordTable::Record& r : table.records) {
+        const std::string reason = table.text(r, "stop_reason");
+        if (reason == "failed" && ++failed) continue;  // a simulation that came to nothing observes nothing
+        if (!reason.empty() && reason != "at_rest" && reason != "left_terrain" && reason != "time_limit")
+            table.refuse(r, words("has the stop_reason '", reason,
+                                  "'; allowed is at_rest, left_terrain, time_limit, failed, or nothing."));
+        StopRecord stop{r.row, body_of(table, r), r.position, kNaN, false, false};
+        stop.error = table.number(r, "position_error_m", 0.0, kMaxError);
+        stop.censored = table.flag(r, "censored") || reason == "left_terrain" || reason == "time_limit";
+        stop.broken = table.flag(r, "broken");
+        records.stops.push_back(stop);
+    }
+    if (failed > 0)
+        records.warnings.push_back(
+            words(table.place, " has ", counted(failed, "record"), " of failed computations, left out."));
+}
+
+void add_crossings(RecordTable& table, ObservationRecords& records) {
+    table.require({"screen"});
+    table.warn_of_unread(joined(joined(kPositionFields, kBodyFields),
+                                {"screen", "speed_ms", "height_m", "spin_rads", "energy_kj", "speed_error_ms",
+                                 "height_error_m", "spin_error_rads", "energy_error_kj"}));
+    for (const RecordTable::Record& r : table.records) {
+        CrossingRecord c;
+        c.row = r.row;
+        c.body = body_of(table, r);
+        c.screen = table.text(r, "screen");
+        if (c.screen.empty()) table.refuse(r, "names no screen; every crossing needs one.");
+        c.position = r.position;
+        c.speed = table.number(r, "speed_ms", 0.0, kMaxSpeed);
+        c.height = table.number(r, "height_m", -kMaxEdge, kMaxError);
+        c.spin = table.number(r, "spin_rads", 0.0, kMaxSpin);
+        c.energy = table.number(r, "energy_kj", 0.0, kInfinity);
+        c.speed_error = table.number(r, "speed_error_ms", 0.0, kMaxError);
+        c.height_error = table.number(r, "height_error_m", 0.0, kMaxError);
+        c.spin_error = table.number(r, "spin_error_rads", 0.0, kMaxError);
+        c.energy_error = table.number(r, "energy_error_kj", 0.0, kInfinity);
+        records.crossings.push_back(c);
+    }
+}
+
+void add_shares(RecordTable& table, ObservationRecords& records) {
+    table.require({"name", "released"});
+    if (!table.has("count") && !table.has("percent")) table.require({"count"});
+    table.warn_of_unread({"name", "count", "released", "percent", "percent_low", "percent_high"});
+    for (const RecordTable::Record& r : table.records) {
+        ShareRecord share{r.row, table.text(r, "name"), 0, 0};
+        if (share.zone.empty()) table.refuse(r, "names no deposit zone; every share needs one.");
+        const double released = table.number(r, "released", 1.0, kMaxBlocks);
+        const double count = table.number(r, "count", 0.0, kMaxBlocks),
+                     percent = table.number(r, "percent", 0.0, 100.0);
+        if (std::isnan(released) || (std::isnan(count) && std::isnan(percent)))
+            table.refuse(r, "needs the number of blocks thrown (released) and the count in the zone, or its percent.");
+        const double blocks = std::isnan(count) ? std::round(0.01 * percent * released) : count;
+        if (blocks != std::floor(blocks) || released != std::floor(released))
+            table.refuse(r, "has a count that is no whole number of blocks.");
+        if (!std::isnan(percent) && std::abs(100.0 * blocks / released - percent) >
+                                        kPercentRounding + (std::isnan(count) ? 50.0 / released : 0.0))
+            table.refuse(
+                r, words("says ", percent, " % but counts ", blocks, " of ", released, " blocks; mend one of them."));
+        share.count = static_cast<std::int64_t>(blocks);
+        share.thrown = static_cast<std::int64_t>(released);
+        records.shares.push_back(share);
+    }
+}
+
+void add_releases(RecordTable& table, ObservationRecords& records) {
+    table.warn_of_unread(joined(kPositionFields, kBodyFields));
+    for (const RecordTable::Record& r : table.records) {
+        ReleaseRecord release{r.row, body_of(table, r), r.position};
+        if (!release.body.id.empty()) records.releases.push_back(release);
+    }
+}
+
+void add_table(const std::string& kind, RecordTable table, ObservationRecords& records) {
+    if (kind == kStopsTable) add_stops(table, records);
+    if (kind == kCrossingsTable) add_crossings(table, records);
+    if (kind == kSharesTable) add_shares(table, records);
+    if (kind == kReleasesTable) add_releases(table, records);
+    records.sources.push_back(table.source);
+    records.warnings.insert(records.warnings.end(), table.warnings.begin(), table.warnings.end());
+}
+
+std::string what_is_read() {
+    return words("observations are layers or tables called ", kStopsTable, ", ", kCrossingsTable, ", ", kSharesTable,
+                 " (and ", kReleasesTable, "); gis/README.md describes them.");
+}
+
+void add_vector_file(const std::string& file, const LocalFrame& frame, const Box2& extent,
+                     ObservationRecords& records) {
+    const std::vector<std::string> layers = layer_names(file, "observations");
+    bool any = false;
+    for (const char* name : kTables) {
+        if (std::find(layers.begin(), layers.end(), name) == layers.end()) continue;
+        add_table(name, read_layer_records(file, name, frame, extent), records);
+        any = true;
+    }
+    if (!any) {
+        std::string names;
+        for (const std::string& name : layers) names += words(names.empty() ? "'" : ", '", name, "'");
+        throw InputError(words("The observations '", file, "' have no layer that is known, only ",
+                               names.empty() ? "none" : names, "; ", what_is_read()));
+    }
+    records.files.push_back(file);
+}
+
+/// What a table holds, by its name or by its columns.
+std::string kind_of(const RecordTable& table, const fs::path& file) {
+    const std::string stem = file.stem().string();
+    for (const char* name : kTables)
+        if (stem == name) return name;
+    if (table.has("screen")) return kCrossingsTable;
+    if (table.has("name") && table.has("released")) return kSharesTable;
+    if (table.has("easting_m") || table.has("longitude_deg")) return kStopsTable;
+    std::string fields;
+    for (const std::string& field : table.fields) fields += words(fields.empty() ? "'" : ", '", field, "'");
+    throw InputError(words(table.place,
+                           " holds neither stops (easting_m, northing_m), nor crossings (screen), nor shares (name, "
+                           "released), only ",
+                           fields, "; ", what_is_read()));
+}
+
+bool is_table(const fs::path& file) {
+    std::string extension = file.extension().string();
+    std::transform(extension.begin(), extension.end(), extension.begin(),
+                   [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+    return extension == ".csv" || extension == ".txt" || extension == ".tsv";
+}
+
+void add_folder(const fs::path& folder, const LocalFrame& frame, const Box2& extent, ObservationRecords& records) {
+    if (fs::exists(folder / "results.gpkg")) {
+        add_vector_file((folder / "results.gpkg").string(), frame, extent, records);
+        return;
+    }
+    for (const char* name : kTables) {
+        const fs::path file = folder / (std::string(name) + ".csv");
+        if (!fs::exists(file)) continue;
+        add_table(name, read_csv_records(file.string(), frame, extent), records);
+        records.files.push_back(file.string());
+    }
+    if (records.files.empty())
+        throw InputError(words("The folder '", folder.string(), "' holds no table of observations and no results; ",
+                               what_is_read()));
+}
+
+}  // namespace
+
+ObservationRecords read_observations(const std::string& path, const LocalFrame& frame, const Box2& extent) {
+    ObservationRecords records;
+    std::error_code ignored;
+    if (!fs::exists(path, ignored))
+        throw InputError(words("The observations '", path, "' do not exist; check the path."));
+    if (fs::is_directory(path, ignored)) {
+        add_folder(path, frame, extent, records);
+    } else if (is_table(path)) {
+        RecordTable table = read_csv_records(path, frame, extent);
+        const std::string kind = kind_of(table, path);
+        add_table(kind, std::move(table), records);
+        records.files.push_back(path);
+    } else {
+        add_vector_file(path, frame, extent, records);
+    }
+    if (records.stops.empty() && records.crossings.empty() && records.shares.empty())
+        throw InputError(words("The observations '", path, "' hold no stop, crossing or share; ", what_is_read()));
+    return records;
+}
+
+}  // namespace scree::gis

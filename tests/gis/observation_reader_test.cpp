@@ -1,0 +1,230 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Measurements from layers, tables and folders: what is read, how positions come into the local frame, and what is refused.
+#include "gis/observation_reader.hpp"
+
+#include "gis/crs.hpp"
+#include "gis/input_files.hpp"
+#include "support/paths.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <fstream>
+
+namespace scree::test {
+namespace {
+
+using testing::Contains;
+using testing::HasSubstr;
+using testing::IsEmpty;
+
+/// A terrain of 200 x 200 m in Lambert 93.
+LocalFrame frame() {
+    return {900000.0, 6400000.0, 1000.0, gis::named_crs("EPSG:2154", "test").wkt};
+}
+const Box2 kExtent{{0, 0}, {200, 200}};
+
+class ObservationReader : public testing::Test {
+protected:
+    std::string put(const std::string& name, const std::string& text) {
+        const auto file = folder_ / name;
+        std::ofstream(file, std::ios::binary) << text;
+        return file.string();
+    }
+    gis::ObservationRecords read(const std::string& path) const {
+        return gis::read_observations(path, frame(), kExtent);
+    }
+    std::string error(const std::string& path) const {
+        return input_error_of([&] { read(path); });
+    }
+    TempDir folder_;
+};
+
+TEST_F(ObservationReader, ReadsATableOfStops) {
+    const auto o =
+        read(put("stops.csv",
+                 "block_id,easting_m,northing_m,z_m,crs,mass_kg,L1_m,L2_m,L3_m,position_error_m,censored,broken\n"
+                 "A,900010.5,6400020,1003,EPSG:2154,1200,1,1.2,0.8,0.1,,1\n"
+                 "B,,,,EPSG:2154,,,,,,yes,0\n"));
+    ASSERT_EQ(o.stops.size(), 2U);
+    EXPECT_EQ(o.stops[0].row, 2);
+    EXPECT_EQ(o.stops[0].body.id, "A");
+    EXPECT_EQ(o.stops[0].body.mass, 1200.0);
+    EXPECT_EQ(o.stops[0].body.l1, 1.2) << "edges are sorted";
+    EXPECT_EQ(o.stops[0].body.l2, 1.0);
+    EXPECT_EQ(o.stops[0].position, Vec3(10.5, 20.0, 3.0));
+    EXPECT_EQ(o.stops[0].error, 0.1);
+    EXPECT_FALSE(o.stops[0].censored);
+    EXPECT_TRUE(o.stops[0].broken);
+    EXPECT_TRUE(std::isnan(o.stops[1].position.x())) << "thrown, and not found";
+    EXPECT_TRUE(std::isnan(o.stops[1].body.mass));
+    EXPECT_TRUE(std::isnan(o.stops[1].error));
+    EXPECT_TRUE(o.stops[1].censored);
+    EXPECT_THAT(o.warnings, IsEmpty());
+    EXPECT_THAT(o.sources[0], HasSubstr("stops.csv: 2 records, RGF93"));
+}
+
+TEST_F(ObservationReader, UnderstandsDecimalCommasBetweenSemicolons) {
+    const auto o = read(put("stops.csv", "easting_m;northing_m;crs\n900010,5;6400020,25;EPSG:2154\n"));
+    EXPECT_EQ(o.stops[0].position.head<2>(), Vec2(10.5, 20.25));
+}
+
+TEST_F(ObservationReader, ReadsATableOfCrossings) {
+    const auto o = read(put("film.csv",
+                            "screen,block_id,speed_ms,height_m,spin_rads,energy_kj,speed_error_ms\n"
+                            "ES1,A,7.5,0.4,,12.5,0.7\nES1,B,,,,,\n"));
+    ASSERT_EQ(o.crossings.size(), 2U);
+    EXPECT_EQ(o.crossings[0].screen, "ES1");
+    EXPECT_EQ(o.crossings[0].speed, 7.5);
+    EXPECT_EQ(o.crossings[0].height, 0.4);
+    EXPECT_TRUE(std::isnan(o.crossings[0].spin));
+    EXPECT_EQ(o.crossings[0].energy, 12.5);
+    EXPECT_EQ(o.crossings[0].speed_error, 0.7);
+    EXPECT_TRUE(std::isnan(o.crossings[0].position.x()));
+    EXPECT_TRUE(std::isnan(o.crossings[1].speed)) << "it passed, nothing was measured";
+}
+
+TEST_F(ObservationReader, ReadsSharesAsCountsOrPercent) {
+    const auto o = read(put("shares.csv", "name,count,percent,released\n1A,1,2,50\n2A,,4,50\n3A,10,,50\n"));
+    ASSERT_EQ(o.shares.size(), 3U);
+    EXPECT_EQ(o.shares[0].count, 1);
+    EXPECT_EQ(o.shares[1].count, 2);
+    EXPECT_EQ(o.shares[2].thrown, 50);
+    EXPECT_THAT(error(put("wrong.csv", "name,count,percent,released\n1A,10,2,50\n")),
+                HasSubstr("says 2 % but counts 10 of 50"));
+}
+
+TEST_F(ObservationReader, ReadsAFolderOfTables) {
+    put("stopping_points.csv", "block_id,easting_m,northing_m,crs\nA,900010,6400020,EPSG:2154\n");
+    put("screen_crossings.csv", "screen,block_id,speed_ms\nES1,A,7.5\n");
+    put("release_points.csv", "block_id,easting_m,northing_m,crs\nA,900001,6400002,EPSG:2154\n");
+    put("notes.csv", "this,is,not,read\n1,2,3,4\n");
+    const auto o = read(folder_.path().string());
+    EXPECT_EQ(o.stops.size(), 1U);
+    EXPECT_EQ(o.crossings.size(), 1U);
+    ASSERT_EQ(o.releases.size(), 1U);
+    EXPECT_EQ(o.releases[0].position.head<2>(), Vec2(1.0, 2.0));
+    EXPECT_EQ(o.files.size(), 3U);
+}
+
+TEST_F(ObservationReader, ReadsLayersOfAGeoPackage) {
+    const std::string file = (folder_ / "obs.gpkg").string();
+    VectorSpec stops;
+    stops.layer = "stopping_points";
+    stops.text_field = "block_id";
+    stops.number_field = "mass_kg";
+    stops.rows = {{"POINT Z (900010 6400020 1003)", "A", 800.0}, {"", "B", std::nullopt}};
+    write_vector(file, stops);
+    VectorSpec screens = stops;
+    screens.layer = "screen_crossings";
+    screens.text_field = "screen";
+    screens.number_field = "speed_ms";
+    screens.rows = {{"", "ES1", 6.5}};
+    write_vector(file, screens, true);
+    const auto o = read(file);
+    ASSERT_EQ(o.stops.size(), 2U);
+    EXPECT_EQ(o.stops[0].position, Vec3(10.0, 20.0, 3.0));
+    EXPECT_EQ(o.stops[0].body.mass, 800.0);
+    EXPECT_TRUE(std::isnan(o.stops[1].position.x()));
+    ASSERT_EQ(o.crossings.size(), 1U);
+    EXPECT_EQ(o.crossings[0].speed, 6.5);
+}
+
+TEST_F(ObservationReader, TransformsFromAnyCrsAndSaysSo) {
+    // gdaltransform: EPSG:2154 (900010, 6400020) is 5.523806636 E 44.670519183 N; the ninth decimal is 0.1 mm
+    const auto earth = read(put("earth.csv", "longitude_deg,latitude_deg\n5.523806636,44.670519183\n"));
+    ASSERT_EQ(earth.stops.size(), 1U);
+    EXPECT_NEAR(earth.stops[0].position.x(), 10.0, 1e-3);
+    EXPECT_NEAR(earth.stops[0].position.y(), 20.0, 1e-3);
+    EXPECT_THAT(earth.sources[0], HasSubstr("transformed by"));
+    EXPECT_THAT(earth.sources[0], HasSubstr("WGS 84"));
+
+    VectorSpec stops;
+    stops.layer = "stopping_points";
+    stops.crs = "EPSG:4326";
+    stops.text_field = "block_id";
+    stops.number_field = "mass_kg";
+    stops.rows = {{"POINT (5.523806636 44.670519183)", "A", 800.0}};
+    const std::string file = (folder_ / "earth.gpkg").string();
+    write_vector(file, stops);
+    const auto layer = read(file);
+    EXPECT_NEAR((layer.stops[0].position - earth.stops[0].position).head<2>().norm(), 0.0, 1e-6)
+        << "table and layer agree";
+    EXPECT_THAT(layer.sources[0], HasSubstr("transformed by"));
+}
+
+TEST_F(ObservationReader, WarnsWhereItHasToAssumeTheCrs) {
+    const auto o = read(put("stops.csv", "easting_m,northing_m\n900010,6400020\n"));
+    EXPECT_THAT(o.warnings, Contains(HasSubstr("has no column crs")));
+    EXPECT_EQ(o.stops[0].position.head<2>(), Vec2(10.0, 20.0));
+}
+
+TEST_F(ObservationReader, WarnsOfFieldsThatAreNotRead) {
+    const auto o = read(put("film.csv", "screen,speed,speed_ms,time_s\nES1,3,4,5\n"));
+    ASSERT_EQ(o.warnings.size(), 1U);
+    EXPECT_THAT(o.warnings[0], HasSubstr("not read: 'speed';"));
+}
+
+TEST_F(ObservationReader, TakesTheNumberOfABlockOfScreeAsItsId) {
+    const auto o =
+        read(put("stopping_points.csv",
+                 "block,block_id,stop_reason,easting_m,northing_m,crs\n0,B07,at_rest,900010,6400020,EPSG:2154\n"
+                 "1,B07,left_terrain,900199,6400020,EPSG:2154\n2,B01,failed,900010,6400020,EPSG:2154\n"));
+    ASSERT_EQ(o.stops.size(), 2U) << "a failed computation observes nothing";
+    EXPECT_EQ(o.stops[0].body.id, "0");
+    EXPECT_EQ(o.stops[1].body.id, "1");
+    EXPECT_TRUE(o.stops[1].censored);
+    EXPECT_THAT(o.warnings, Contains(HasSubstr("1 record of failed computations")));
+}
+
+struct Fault {
+    const char* name;
+    const char* text;
+    const char* says;
+};
+void PrintTo(const Fault& f, std::ostream* out) {
+    *out << f.name;
+}
+const Fault kFaults[] = {
+    {"ANumberThatIsNone", "screen,speed_ms\nES1,fast\n", "line 2, has 'fast' in the field 'speed_ms'"},
+    {"ANegativeSpeed", "screen,speed_ms\nES1,-3\n", "allowed is a finite number of at least 0"},
+    {"ACrossingWithoutAScreen", "screen,speed_ms\n,3\n", "line 2, names no screen"},
+    {"HalfAPosition", "easting_m,northing_m\n900010,\n", "line 2, has half a position"},
+    {"OneCoordinateOnly", "easting_m,speed_ms\n900010,3\n", "lacks the field 'northing_m'"},
+    {"PositionsTwice", "easting_m,northing_m,longitude_deg,latitude_deg\n1,2,3,4\n", "positions twice"},
+    {"AnUnknownCrs", "easting_m,northing_m,crs\n900010,6400020,EPSG:999999\n",
+     "CRS 'EPSG:999999', which PROJ does not know"},
+    {"DegreesForMetres", "easting_m,northing_m,crs\n5.5,44.6,EPSG:4326\n", "in metres but names the CRS"},
+    {"TwoCrs", "easting_m,northing_m,crs\n900010,6400020,EPSG:2154\n900010,6400020,EPSG:2056\n",
+     "use one CRS in a table"},
+    {"FarAway", "easting_m,northing_m,crs\n700000,6600000,EPSG:2154\n", "wholly outside of the terrain"},
+    {"AnUnknownStopReason", "easting_m,northing_m,crs,stop_reason\n900010,6400020,EPSG:2154,asleep\n",
+     "stop_reason 'asleep'"},
+    {"AFlagThatIsNone", "easting_m,northing_m,crs,broken\n900010,6400020,EPSG:2154,perhaps\n", "allowed is 0 or 1"},
+    {"AShareWithoutBlocks", "name,count,released\n1A,3,\n", "needs the number of blocks thrown"},
+    {"NothingKnown", "x,y\n1,2\n", "holds neither stops"},
+};
+class ObservationFaults : public ObservationReader, public testing::WithParamInterface<Fault> {};
+TEST_P(ObservationFaults, AreNamedWithTheirPlace) {
+    const std::string said = error(put("table.csv", GetParam().text));
+    EXPECT_THAT(said, HasSubstr(GetParam().says));
+    EXPECT_THAT(said, HasSubstr("table.csv"));
+}
+INSTANTIATE_TEST_SUITE_P(Table, ObservationFaults, testing::ValuesIn(kFaults),
+                         [](const auto& row) { return std::string(row.param.name); });
+
+TEST_F(ObservationReader, SaysWhatIsReadWhereThereIsNothing) {
+    EXPECT_THAT(error((folder_ / "nothing.gpkg").string()), HasSubstr("do not exist"));
+    EXPECT_THAT(error(folder_.path().string()), HasSubstr("holds no table of observations"));
+    VectorSpec other;
+    other.layer = "trees";
+    other.rows = {{"POINT (900010 6400020)", "A", 800.0}};
+    const std::string file = (folder_ / "trees.gpkg").string();
+    write_vector(file, other);
+    EXPECT_THAT(error(file), HasSubstr("only 'trees'"));
+    EXPECT_THAT(error(file), HasSubstr("stopping_points"));
+}
+
+}  // namespace
+}  // namespace scree::test
