@@ -16,6 +16,12 @@ constexpr double kCovered = 0.95;                      // of every interval [-]
 constexpr double kNormalQuantile = 1.959963984540054;  // of kCovered, both sides [-]
 constexpr double kLow = 0.5 * (1.0 - kCovered), kHigh = 1.0 - kLow;
 
+/// Whether there is chance at all, beyond what is left of sums that cancel.
+bool varies(double distance, double floor) {
+    constexpr double kCancelled = 1e-9;
+    return floor > kCancelled * distance && floor > 0.0;
+}
+
 /// Streams of random numbers for different uses; each observable takes kStreams of them.
 enum Stream : std::uint64_t { kChance, kResampled, kJoint, kScore, kBand, kStreams };
 
@@ -50,10 +56,12 @@ void judge(Gap& gap, std::vector<double> drawn, double slope_variance) {
     std::sort(drawn.begin(), drawn.end());
     gap.chance = {chance_quantile(drawn, kLow), chance_quantile(drawn, kHigh)};
     const auto larger = drawn.end() - std::lower_bound(drawn.begin(), drawn.end(), gap.gap);
-    gap.p = static_cast<double>(1 + larger) / static_cast<double>(1 + drawn.size());
+    const auto smaller = std::upper_bound(drawn.begin(), drawn.end(), gap.gap) - drawn.begin();
+    const auto all = static_cast<double>(1 + drawn.size());
+    gap.p = static_cast<double>(1 + larger) / all;
+    if (gap.two_sided) gap.p = std::min(1.0, 2.0 * static_cast<double>(1 + std::min(larger, smaller)) / all);
     const double root = std::sqrt(std::max(gap.gap, 0.0));
-    const double half =
-        root > 0.0 ? kNormalQuantile * deviation / (2.0 * root) : std::sqrt(kNormalQuantile * deviation);
+    const double half = kNormalQuantile * deviation / (2.0 * std::max(root, 1.0));  // below 1 chance is all there is
     gap.interval = {std::pow(std::max(0.0, root - half), 2.0), std::pow(root + half, 2.0)};
 }
 
@@ -137,7 +145,11 @@ private:
         gap.pooled.distance = measured.distance;
         gap.pooled.floor = measured.floor;
         gap.pooled.gap = measured.gap();
-        if (!(measured.floor > 0.0)) gap.status = "the simulation gives one value only";
+        if (!varies(measured.distance, measured.floor)) {
+            gap.status = "the simulated values are all alike: no chance to compare with";
+            gap.pooled = {};
+            return;
+        }
         if (settings_.wasserstein && gap.observable.columns.size() == 1 && !gap.observable.share)
             gap.wasserstein.emplace().distance = statistic.wasserstein(statistic.measured_members());
         std::vector<double> drawn, wasserstein;
@@ -167,8 +179,10 @@ private:
         const ScoreStatistic statistic(score_input(measured_, simulated_, columns, scales.empty() ? ones : scales));
         if (statistic.blocks() == 0) return std::nullopt;
         Gap gap;
+        gap.two_sided = true;
         gap.distance = statistic.mean_score();
         gap.floor = statistic.floor();
+        if (!varies(gap.distance, gap.floor)) return std::nullopt;
         gap.gap = gap.distance / gap.floor;
         std::vector<double> drawn;
         RandomStream random = stream(settings_, index, kScore);

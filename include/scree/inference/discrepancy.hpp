@@ -23,7 +23,9 @@ namespace scree {
 /// |x-y| summed over the columns: D = 2 sum (p-q)^2, and a = 2 q (1-q), which is that of half a block where the simulation knows one answer only.
 ///
 /// Score gap, for known blocks. The mean energy score of each measured block against the repeats of that very block, divided by the score that
-/// another repeat would have on average (half the mean difference of the repeats). 1 on average if nothing differs, whatever the number of blocks.
+/// another repeat would have on average (half the mean difference of the repeats). 1 on average if nothing differs, whatever the number of blocks. It
+/// is strictly proper, the loss to calibrate with, and sees which block went where. As a test it is weak: its spread is that of single blocks, and a
+/// shift that raises it can be hidden by a simulated spread that is too wide, which lowers it; so gaps below chance count, too. Read both gaps.
 ///
 /// Chance. If nothing differs, the measured value of a block might as well have been any of its repeats (or any n of the pool the measured ones): gaps of
 /// such exchanges give the interval of chance, 2.5 % to 97.5 %, and p, the share of them, with the measured one, that are not smaller. This is a
@@ -72,10 +74,11 @@ struct Gap {
     double floor = kNaN;     ///< its expectation if nothing differed [unit of the values]
     Interval
         interval;  ///< 95 % of the gaps that repetitions of the test would give, from the spread over its blocks; NaN without draws [-]
-    Interval chance;  ///< 95 % of the gaps that chance gives; NaN without draws [-]
-    double p = kNaN;  ///< share of chance at least as large [-]
+    Interval chance;         ///< 95 % of the gaps that chance gives; NaN without draws [-]
+    double p = kNaN;         ///< share of chance at least as far out [-]
+    bool two_sided = false;  ///< true: a gap below chance differs, too
 
-    bool beyond_chance() const { return gap > chance.high; }
+    bool beyond_chance() const { return gap > chance.high || (two_sided && gap < chance.low); }
 };
 
 /// One-dimensional observables only.
