@@ -33,10 +33,11 @@ void add_stops(std::vector<Observable>& list, const Observations& observations, 
                                       [](const ObservedStop& s) { return std::isfinite(s.position.x()); });
     if (located == observations.stops.end()) return;
     const bool matched = observations.matched && located->block >= 0;
-    list.push_back({"stop position", "m", {{Quantity::Along}, {Quantity::Lateral}}, false, matched, true, {}});
+    if (op.lateral)
+        list.push_back({"stop position", "m", {{Quantity::Along}, {Quantity::Lateral}}, false, matched, true, {}});
     list.push_back({"runout", "m", {{Quantity::Runout}}, false, matched, false, {}});
-    list.push_back({"distance along", "m", {{Quantity::Along}}, false, matched, false, {}});
-    list.push_back({"lateral", "m", {{Quantity::Lateral}}, false, matched, false, {}});
+    list.push_back({"distance along", "m", {{Quantity::Along}}, false, matched, !op.lateral, {}});
+    if (op.lateral) list.push_back({"lateral", "m", {{Quantity::Lateral}}, false, matched, false, {}});
     if (op.zones.empty()) return;
     Observable zones{"deposit zones", "-", {}, true, matched, false, {}};
     for (std::size_t z = 0; z < op.zones.size(); ++z)
@@ -48,7 +49,7 @@ void add_shares(std::vector<Observable>& list, const Observations& observations)
     const bool stops =
         std::any_of(list.begin(), list.end(), [](const Observable& o) { return o.name == "deposit zones"; });
     if (stops || observations.shares.empty()) return;
-    Observable zones{"deposit zones", "-", {}, true, false, list.empty() || list.front().name != "stop position", {}};
+    Observable zones{"deposit zones", "-", {}, true, false, list.empty(), {}};
     for (const ObservedShare& share : observations.shares) {
         zones.counts.push_back(share);
         zones.counts.back().zone = static_cast<std::int32_t>(zones.columns.size());

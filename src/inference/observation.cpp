@@ -28,7 +28,7 @@ public:
         }
         set({Quantity::Along}, place.along);
         set({Quantity::Lateral}, place.lateral);
-        set({Quantity::Runout}, (p - op_.origin).norm());
+        set({Quantity::Runout}, ((op_.lateral ? p : op_.axis.point(place.along)) - op_.origin).norm());
         for (std::size_t z = 0; z < op_.zones.size(); ++z)
             set({Quantity::InZone, static_cast<std::int32_t>(z)}, at_rest && in_zone(p, z) ? 1.0 : 0.0);
     }
@@ -155,7 +155,8 @@ std::vector<Column> observed_columns(const Observations& observations, const Obs
     std::vector<Column> columns;
     const bool stops = std::any_of(observations.stops.begin(), observations.stops.end(),
                                    [](const ObservedStop& s) { return known(s.position.head<2>()); });
-    if (stops) columns = {{Quantity::Along}, {Quantity::Lateral}, {Quantity::Runout}};
+    if (stops) columns = {{Quantity::Along}, {Quantity::Runout}};
+    if (stops && op.lateral) columns.insert(columns.begin() + 1, Column{Quantity::Lateral});
     for (std::size_t s = 0; s < op.screens.size(); ++s) {
         const auto screen = static_cast<std::int32_t>(s);
         bool any = false;

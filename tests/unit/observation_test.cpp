@@ -110,6 +110,23 @@ TEST(SimulatedTable, SeesWhatTheTestWouldHaveSeen) {
     EXPECT_DOUBLE_EQ(cell(t, {Quantity::Along, -1}, 2), 36.0) << "and counts where it was last seen";
 }
 
+TEST(ObservationTables, KeepOnlyTheWayAlongForAModelOfOneProfile) {
+    // an axis with a bend: the first stop of the test lies at (40, 3), on it at (40, 0)
+    Observations o = test_observations();
+    ObservationOperator op = test_operator();
+    op.axis = Axis({{0, 0}, {50, 0}, {50, 50}});
+    op.lateral = false;
+    CampaignResult campaign;
+    campaign.blocks = {at_rest({50, 20}), at_rest({12, 0})};
+    const ObservationTable measured = measured_table(o, op), simulated = simulated_table(campaign, o, op, 1);
+    EXPECT_EQ(cell(measured, {Quantity::Lateral, -1}, 0), -999.0) << "no such column";
+    EXPECT_DOUBLE_EQ(cell(measured, {Quantity::Along, -1}, 0), 40.0);
+    EXPECT_DOUBLE_EQ(cell(measured, {Quantity::Runout, -1}, 0), 40.0) << "moved onto the axis first";
+    EXPECT_DOUBLE_EQ(cell(simulated, {Quantity::Along, -1}, 0), 70.0);
+    EXPECT_DOUBLE_EQ(cell(simulated, {Quantity::Runout, -1}, 0), std::hypot(50.0, 20.0));
+    EXPECT_EQ(cell(simulated, {Quantity::InZone, 0}, 0), 1.0) << "zones are areas of the map all the same";
+}
+
 TEST(SimulatedTable, TakesTheFirstPartOfAScreenThatABlockMeets) {
     CampaignResult campaign;
     campaign.blocks = {at_rest({50, 0}), at_rest({50, 0})};
@@ -205,6 +222,15 @@ TEST(Observables, AreWhatWasMeasured) {
     o.crossings.clear();
     o.shares = {{1, 0, 20, 50}};
     EXPECT_EQ(names(), "deposit zones*~; ");
+}
+
+TEST(Observables, OfAModelOfOneProfileHaveNothingBeside) {
+    ObservationOperator op = test_operator();
+    op.lateral = false;
+    std::string names;
+    for (const Observable& observable : make_observables(test_observations(), op))
+        names += observable.name + (observable.overall ? "*" : "") + "; ";
+    EXPECT_EQ(names, "runout; distance along*; deposit zones; passing upper; speed at upper*; height at upper*; ");
 }
 
 TEST(Observables, OfAKnownBlockThatDidNotPassIsNoMotion) {

@@ -72,6 +72,9 @@ struct Observations {
 /// Where and how the test measured: what a simulated block passes through before it is compared (with the errors of the observations).
 struct ObservationOperator {
     Axis axis;
+    /// False: stops are compared by their distance along the axis alone, all of them moved onto it first. For models that know no way beside
+    /// their profile, which is the axis then.
+    bool lateral = true;
     Vec2 origin = Vec2::Zero();           ///< centre of the release, from which `runout` is counted [m]
     std::vector<std::string> screens;     ///< names, each once
     std::vector<std::int32_t> screen_of;  ///< screen (above) of each CampaignInput::screens [-]
