@@ -3,6 +3,8 @@
 
 #include "inference/gap_statistic.hpp"
 
+#include "scree/base/assert.hpp"
+
 #include <algorithm>
 #include <cmath>
 #include <memory>
@@ -92,6 +94,7 @@ public:
                std::span<const Observable> observables, std::span<const double> scales,
                const DiscrepancySettings& settings)
         : measured_(measured), simulated_(simulated), scales_(scales), settings_(settings) {
+        SCREE_ASSERT(scales.empty() || scales.size() == simulated.columns.size());
         for (const Observable& observable : observables) add(observable);
     }
 
@@ -275,6 +278,7 @@ private:
     }
 
     void add_overall_score() {
+        if (scales_.empty()) return;
         std::vector<Column> columns;
         std::vector<double> scales;
         for (const ObservableGap& gap : result_.observables) {

@@ -119,6 +119,7 @@ struct DiscrepancySettings {
 /// one simulation, and keep them while models are compared: a model must not win by widening its own scale. [unit of the column]
 std::vector<double> column_scales(const ObservationTable& simulated);
 
+/// All gaps of a simulation. `scales`: one per column of the tables, or empty: no overall score.
 Discrepancy compare_tables(const ObservationTable& measured, const ObservationTable& simulated,
                            std::span<const Observable> observables, std::span<const double> scales,
                            const DiscrepancySettings& settings);
