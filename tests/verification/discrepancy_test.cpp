@@ -187,6 +187,7 @@ TEST(PooledGap, IsOneUnderTheNullWithinItsIntervals) {
         EXPECT_NEAR(gap.mean, 1.0, kWide * gap.error) << law.name;
         expect_share(account.in_chance, kRepetitions, 0.95, law.name);
         expect_share(account.significant, kRepetitions, 0.05, law.name);
+        EXPECT_GE(account.in_interval, 0.92 * kRepetitions) << "interval of the gap, " << law.name;
     }
 }
 
@@ -270,6 +271,8 @@ void expect_null(const Observable& observable, bool holes) {
         expect_share(a->significant, kRepetitions, 0.05, what);
     }
     EXPECT_GE(account.score.in_interval, 0.92 * kRepetitions) << "interval of the score gap";
+    EXPECT_GE(account.pooled.in_interval, 0.92 * kRepetitions) << "interval of the pooled gap";
+    EXPECT_GE(account.overall.in_interval, 0.92 * kRepetitions) << "interval of the overall gap";
 }
 
 TEST(MatchedGap, IsOneUnderTheNullWithinItsIntervals) {
@@ -379,6 +382,55 @@ TEST(ShareGap, OfAZoneThatNoSimulatedBlockReachesIsFiniteAndLarge) {
     EXPECT_TRUE(std::isfinite(gap.gap));
     EXPECT_TRUE(gap.beyond_chance());
     EXPECT_GT(gap.gap, 100.0);
+}
+
+/// Stops, who passed a screen, and how fast: three views of the same blocks, which a block that runs far makes large together.
+ObservationTable correlated_table(std::size_t blocks, std::size_t each, bool known, double shift,
+                                  RandomStream& random) {
+    ObservationTable table;
+    table.columns = {{Quantity::Along, -1}, {Quantity::Passed, 0}, {Quantity::Speed, 0}};
+    table.values.resize(3);
+    for (std::size_t r = 0; r < each; ++r) {
+        for (std::size_t b = 0; b < blocks; ++b) {
+            const double along = (known ? 0.1 * static_cast<double>(b) : 0.0) + shift + random.normal();
+            const bool passed = along > 0.5;
+            table.block.push_back(known ? static_cast<std::int32_t>(b) : -1);
+            table.values[0].push_back(along);
+            table.values[1].push_back(passed ? 1.0 : 0.0);
+            table.values[2].push_back(passed ? 3.0 + along + 0.3 * random.normal() : kNaN);
+        }
+    }
+    return table;
+}
+
+Account overall_tests(bool known, double shift, int repetitions) {
+    constexpr std::size_t kBlocks = 40;
+    Account account;
+    for (int r = 0; r < repetitions; ++r) {
+        RandomStream random = stream(7000 + static_cast<std::uint64_t>(r));
+        const ObservationTable simulated =
+            known ? correlated_table(kBlocks, 20, true, 0.0, random) : correlated_table(800, 1, false, 0.0, random);
+        const ObservationTable measured = correlated_table(kBlocks, 1, known, shift, random);
+        std::vector<Observable> observables{{"along", "m", {{Quantity::Along, -1}}, false, known, true, {}},
+                                            {"passing", "-", {{Quantity::Passed, 0}}, true, known, true, {}},
+                                            {"speed", "m/s", {{Quantity::Speed, 0}}, false, known, true, {}}};
+        const DiscrepancySettings settings{kDraws, static_cast<std::uint64_t>(r), false};
+        account.add(compare_tables(measured, simulated, observables, column_scales(simulated), settings).overall, 1.0);
+    }
+    return account;
+}
+
+TEST(OverallGap, OfDependentObservablesIsOneUnderTheNullWithinItsIntervals) {
+    for (const bool known : {true, false}) {
+        const char* what = known ? "known blocks" : "pool";
+        const Account account = overall_tests(known, 0.0, kRepetitions);
+        const Moments gap = moments(account.gaps);
+        EXPECT_NEAR(gap.mean, 1.0, kWide * gap.error) << what;
+        expect_share(account.in_chance, kRepetitions, 0.95, what);
+        expect_share(account.significant, kRepetitions, 0.05, what);
+        EXPECT_GE(account.in_interval, 0.92 * kRepetitions) << what;
+        EXPECT_GT(overall_tests(known, 0.8, 100).significant, 90) << what;
+    }
 }
 
 // --- what must not matter ---
