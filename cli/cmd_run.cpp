@@ -1,15 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include "cli/account.hpp"
 #include "cli/campaign_layers.hpp"
 #include "cli/commands.hpp"
 #include "cli/progress.hpp"
-#include "cli/settings.hpp"
 #include "cli/site_model.hpp"
 #include "gis/results_writer.hpp"
-#include "gis/sha256.hpp"
 #include "scree/dynamics/contact_problem_file.hpp"
 
 #include <algorithm>
-#include <iomanip>
 #include <ostream>
 #include <sstream>
 
@@ -18,81 +16,6 @@ namespace scree::cli {
 namespace {
 
 namespace fs = std::filesystem;
-
-std::string short_number(double value) {
-    std::ostringstream s;
-    s << std::setprecision(3) << value;
-    return s.str();
-}
-
-/// A warning without the folders of this machine: input files by their names.
-std::string without_folders(std::string warning, const SiteFile& site, const std::vector<std::string>& inputs) {
-    auto shorten = [&](const std::string& path) {
-        const std::string name = fs::path(path).filename().string();
-        for (auto at = warning.find(path); at != std::string::npos && path != name;
-             at = warning.find(path, at + name.size()))
-            warning.replace(at, path.size(), name);
-    };
-    for (const std::string& input : inputs) shorten(input);
-    shorten(site.file.string());
-    return warning;
-}
-
-/// Everything that says how the result came about, without paths of a machine or times: two runs of one site give the same bytes.
-std::vector<gis::ProvenanceEntry> provenance(const SiteFile& site, const SiteModel& model,
-                                             const CampaignResult& result) {
-    std::vector<gis::ProvenanceEntry> p;
-    p.push_back({"program", "scree " + version()});
-    p.push_back({"site", site.settings.name});
-    p.push_back({"seed", std::to_string(site.settings.seed)});
-    p.push_back({"released", std::to_string(result.released)});
-    for (std::size_t k = 0; k < kStopReasonNames.size(); ++k)
-        p.push_back({std::string("ended_") + kStopReasonNames[k], std::to_string(result.reasons[k])});
-    p.push_back({"interrupted", result.interrupted ? "true: " + std::to_string(result.released) + " of " +
-                                                         std::to_string(site.settings.releases.count) + " blocks"
-                                                   : "false"});
-    const TrajectoryCounters& c = result.counters;
-    p.push_back({"contact_problems", std::to_string(c.contact_problems)});
-    p.push_back({"contact_problems_above_tolerance", std::to_string(c.unconverged_problems)});
-    p.push_back({"impacts", std::to_string(c.impacts)});
-    p.push_back({"impacts_with_lowered_restitution", std::to_string(c.restitution_capped)});
-    p.push_back({"rested_while_turning", std::to_string(c.rested_turning)});
-    p.push_back({"steps_with_energy_taken_back", std::to_string(c.energy_capped)});
-    p.push_back({"largest_rise_taken_back_m", short_number(c.largest_rise_taken_back)});
-    p.push_back({"largest_energy_rise_m", short_number(c.largest_energy_rise)});
-    p.push_back({"penetration_p999_m", short_number(c.penetration_quantile(0.999))});
-    p.push_back({"largest_penetration_m", short_number(c.largest_penetration)});
-    p.push_back({"quantile_error", short_number(kQuantileError) + " relative"});
-    for (const std::string& file : model.inputs)
-        p.push_back({"sha256 " + fs::path(file).filename().string(), gis::sha256_of_file(file)});
-    SiteSettings portable = site.settings;
-    portable.output_directory.clear();
-    p.push_back({"settings", settings_as_toml(portable, [](const std::string& path) {
-                     return fs::path(path).filename().string();
-                 })});
-    for (std::size_t k = 0; k < model.warnings.size(); ++k)
-        p.push_back({"warning_" + std::to_string(k + 1), without_folders(model.warnings[k], site, model.inputs)});
-    return p;
-}
-
-/// A site file that reproduces the run from the folder of results.
-std::string run_toml(const SiteFile& site, const CampaignResult& result, const fs::path& folder) {
-    SiteSettings settings = site.settings;
-    settings.output_directory = "rerun";
-    std::ostringstream text;
-    text << "# Reproduces these results: scree run run.toml\n# scree " << version() << "; " << result.released
-         << " blocks:";
-    for (std::size_t k = 0; k < kStopReasonNames.size(); ++k)
-        text << (k ? ", " : " ") << result.reasons[k] << " " << kStopReasonNames[k];
-    text << (result.interrupted ? "\n# INTERRUPTED: not all blocks were thrown" : "") << "\n";
-    text << settings_as_toml(settings, [&](const std::string& path) {
-        if (path == settings.output_directory) return path;
-        std::error_code error;
-        const fs::path relative = fs::relative(site.resolve(path), folder, error);
-        return error || relative.empty() ? fs::absolute(site.resolve(path)).string() : relative.string();
-    });
-    return text.str();
-}
 
 /// The first contact problems above the solver's tolerance, named by block.
 void add_hard_problems(const CampaignResult& result, std::size_t most, gis::ResultsPackage& package) {
@@ -107,10 +30,6 @@ void add_hard_problems(const CampaignResult& result, std::size_t most, gis::Resu
         package.files.push_back(
             {"contact_problem_" + std::to_string(block) + "_" + std::to_string(of_block) + ".txt", text.str()});
     }
-}
-
-std::string percent(std::int64_t part, std::int64_t whole) {
-    return short_number(whole > 0 ? 100.0 * static_cast<double>(part) / static_cast<double>(whole) : 0.0) + " %";
 }
 
 double quantile(std::vector<double>& sorted, double q) {
@@ -186,7 +105,7 @@ ExitCode run_run(const Context& context) {
     package.vectors = campaign_vectors(model, result);
     package.rasters = campaign_rasters(model, result);
     package.provenance = provenance(site, model, result);
-    package.files.push_back({"run.toml", run_toml(site, result, folder)});
+    package.files.push_back({"run.toml", reproducing_toml(site, result, folder, "scree run run.toml")});
     add_hard_problems(result, static_cast<std::size_t>(site.settings.contact_problems), package);
     gis::write_results(folder, package, context.overwrite);
 

@@ -1,0 +1,97 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "cli/account.hpp"
+
+#include "cli/commands.hpp"
+#include "cli/settings.hpp"
+#include "gis/sha256.hpp"
+
+#include <iomanip>
+#include <sstream>
+
+namespace scree::cli {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+/// A warning without the folders of this machine: input files by their names.
+std::string without_folders(std::string warning, const SiteFile& site, const std::vector<std::string>& inputs) {
+    auto shorten = [&](const std::string& path) {
+        const std::string name = fs::path(path).filename().string();
+        for (auto at = warning.find(path); at != std::string::npos && path != name;
+             at = warning.find(path, at + name.size()))
+            warning.replace(at, path.size(), name);
+    };
+    for (const std::string& input : inputs) shorten(input);
+    shorten(site.file.string());
+    return warning;
+}
+
+}  // namespace
+
+std::string short_number(double value) {
+    std::ostringstream s;
+    s << std::setprecision(3) << value;
+    return s.str();
+}
+
+std::string percent(std::int64_t part, std::int64_t whole) {
+    return short_number(whole > 0 ? 100.0 * static_cast<double>(part) / static_cast<double>(whole) : 0.0) + " %";
+}
+
+std::vector<gis::ProvenanceEntry> provenance(const SiteFile& site, const SiteModel& model,
+                                             const CampaignResult& result) {
+    std::vector<gis::ProvenanceEntry> p;
+    p.push_back({"program", "scree " + version()});
+    p.push_back({"site", site.settings.name});
+    p.push_back({"seed", std::to_string(site.settings.seed)});
+    p.push_back({"released", std::to_string(result.released)});
+    for (std::size_t k = 0; k < kStopReasonNames.size(); ++k)
+        p.push_back({std::string("ended_") + kStopReasonNames[k], std::to_string(result.reasons[k])});
+    p.push_back({"interrupted", result.interrupted ? "true: " + std::to_string(result.released) + " of " +
+                                                         std::to_string(site.settings.releases.count) + " blocks"
+                                                   : "false"});
+    const TrajectoryCounters& c = result.counters;
+    p.push_back({"contact_problems", std::to_string(c.contact_problems)});
+    p.push_back({"contact_problems_above_tolerance", std::to_string(c.unconverged_problems)});
+    p.push_back({"impacts", std::to_string(c.impacts)});
+    p.push_back({"impacts_with_lowered_restitution", std::to_string(c.restitution_capped)});
+    p.push_back({"rested_while_turning", std::to_string(c.rested_turning)});
+    p.push_back({"steps_with_energy_taken_back", std::to_string(c.energy_capped)});
+    p.push_back({"largest_rise_taken_back_m", short_number(c.largest_rise_taken_back)});
+    p.push_back({"largest_energy_rise_m", short_number(c.largest_energy_rise)});
+    p.push_back({"penetration_p999_m", short_number(c.penetration_quantile(0.999))});
+    p.push_back({"largest_penetration_m", short_number(c.largest_penetration)});
+    p.push_back({"quantile_error", short_number(kQuantileError) + " relative"});
+    for (const std::string& file : model.inputs)
+        p.push_back({"sha256 " + fs::path(file).filename().string(), gis::sha256_of_file(file)});
+    SiteSettings portable = site.settings;
+    portable.output_directory.clear();
+    p.push_back({"settings", settings_as_toml(portable, [](const std::string& path) {
+                     return fs::path(path).filename().string();
+                 })});
+    for (std::size_t k = 0; k < model.warnings.size(); ++k)
+        p.push_back({"warning_" + std::to_string(k + 1), without_folders(model.warnings[k], site, model.inputs)});
+    return p;
+}
+
+std::string reproducing_toml(const SiteFile& site, const CampaignResult& result, const fs::path& folder,
+                             const std::string& command) {
+    SiteSettings settings = site.settings;
+    settings.output_directory = "rerun";
+    std::ostringstream text;
+    text << "# Reproduces these results: " << command << "\n# scree " << version() << "; " << result.released
+         << " blocks:";
+    for (std::size_t k = 0; k < kStopReasonNames.size(); ++k)
+        text << (k ? ", " : " ") << result.reasons[k] << " " << kStopReasonNames[k];
+    text << (result.interrupted ? "\n# INTERRUPTED: not all blocks were thrown" : "") << "\n";
+    text << settings_as_toml(settings, [&](const std::string& path) {
+        if (path == settings.output_directory) return path;
+        std::error_code error;
+        const fs::path relative = fs::relative(site.resolve(path), folder, error);
+        return error || relative.empty() ? fs::absolute(site.resolve(path)).string() : relative.string();
+    });
+    return text.str();
+}
+
+}  // namespace scree::cli

@@ -1,0 +1,27 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include "cli/site_model.hpp"
+#include "gis/layers.hpp"
+#include "scree/ensemble/campaign.hpp"
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+namespace scree::cli {
+
+/// Three significant digits.
+std::string short_number(double value);
+/// "12.5 %".
+std::string percent(std::int64_t part, std::int64_t whole);
+
+/// Everything that says how a result came about, without paths of a machine or times: two runs of one site give the same bytes.
+std::vector<gis::ProvenanceEntry> provenance(const SiteFile& site, const SiteModel& model,
+                                             const CampaignResult& result);
+
+/// A site file that reproduces a result from its folder; its first line says by which command.
+std::string reproducing_toml(const SiteFile& site, const CampaignResult& result, const std::filesystem::path& folder,
+                             const std::string& command);
+
+}  // namespace scree::cli
