@@ -34,6 +34,8 @@ constexpr std::array kCommands{
     Command{"profile", "Trace steepest-slope profiles: lines with soils, tables and pictures", Target::Site, true,
             false, run_profile},
     Command{"run", "Throw the blocks of a site and write results for a GIS", Target::Site, true, true, run_run},
+    Command{"compare", "Hold the model of a site against measurements: gaps in units of chance, pictures, report",
+            Target::Site, true, true, run_compare},
     Command{"settings", "Print the reference manual of all keys of the site file", Target::None, false, false,
             run_settings},
 };
@@ -88,6 +90,13 @@ void add_options(CLI::App& sub, const Command& command, Context& context) {
             ->type_name("")
             ->check(CLI::IsMember({"auto", "json"}));
     }
+    if (std::string(command.name) == "compare")
+        sub.add_option(
+               "--observed", context.observed,
+               "Measurements: a GeoPackage, a folder of tables, a table (CSV), or a folder of results of scree run "
+               "(gis/README.md describes layers and columns)")
+            ->type_name("OBS")
+            ->required();
     if (std::string(command.name) == "settings")
         sub.add_option("--format", context.format,
                        "markdown (the manual; the default) or toml (a site file with all defaults)")

@@ -27,6 +27,7 @@ struct Context {
     bool quiet = false;
     ProgressStyle progress = ProgressStyle::Automatic;
     std::string format = "text";  ///< of `settings`
+    std::string observed;         ///< --observed: measurements of `compare`
     std::ostream* out = nullptr;
     std::ostream* err = nullptr;
 
@@ -42,6 +43,7 @@ ExitCode run_check(const Context& context);
 ExitCode run_terrain(const Context& context);
 ExitCode run_profile(const Context& context);
 ExitCode run_run(const Context& context);
+ExitCode run_compare(const Context& context);
 ExitCode run_settings(const Context& context);
 
 /// Version of the program.

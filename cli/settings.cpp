@@ -367,8 +367,8 @@ void add_profile(std::vector<Setting<SiteSettings>>& keys) {
                                    "How many of the first profiles to draw, one picture each."));
 }
 
-void add_output(std::vector<Setting<SiteSettings>>& keys) {
-    const Row<SiteSettings> screens{"screens"}, deposits{"deposit_zones"}, output{"output"};
+void add_screens(std::vector<Setting<SiteSettings>>& keys) {
+    const Row<SiteSettings> screens{"screens"}, deposits{"deposit_zones"};
     keys.push_back(screens.path(
         "file", AT(screens.file),
         "Evaluation screens: lines, or polygons whose outline counts. The first crossing of each block is recorded."));
@@ -378,6 +378,10 @@ void add_output(std::vector<Setting<SiteSettings>>& keys) {
         deposits.path("file", AT(deposit_zones.file), "Polygons in which blocks that came to rest are counted."));
     keys.push_back(deposits.text("layer", AT(deposit_zones.layer), "Layer of that file; empty if it has only one."));
     keys.push_back(deposits.text("field", AT(deposit_zones.field), "Text field with the zone's name."));
+}
+
+void add_output(std::vector<Setting<SiteSettings>>& keys) {
+    const Row<SiteSettings> output{"output"};
     keys.push_back(output.path("directory", AT(output_directory), "Folder of the results; --output overrides it."));
     keys.push_back(
         output.integer("trajectories", {0, 1e7}, AT(trajectories), "How many of the first blocks to keep as lines."));
@@ -386,6 +390,59 @@ void add_output(std::vector<Setting<SiteSettings>>& keys) {
                                   "contact_problem_BLOCK_NUMBER.txt, for whoever wants to look into them."));
     keys.push_back(output.number("resolution", "m", kNotNegative, AT(result_resolution),
                                  "Cell of the result rasters; 0 takes the model's cells."));
+}
+
+void add_observed(std::vector<Setting<SiteSettings>>& keys) {
+    const Row<SiteSettings> observed{"observed"};
+    keys.push_back(observed.flag(
+        "matched", AT(observed.matched),
+        "Simulate every measured block again and again with its own mass and lengths, if all of them have an id, "
+        "a mass and lengths. false: two pools, the measured blocks and the site's own population."));
+    keys.push_back(observed.integer(
+        "repeats", {5, 1e5}, AT(observed.repeats),
+        "How often every measured block is simulated. Fewer is faster and leaves the gap less certain."));
+    keys.push_back(observed.integer("draws", {100, 1e6}, AT(observed.draws),
+                                    "Samples of chance behind every interval; fewer is faster."));
+    keys.push_back(observed.flag(
+        "release_positions", AT(observed.release_positions),
+        "Release blocks where the observations say (release_points), else anywhere in the release area."));
+    keys.push_back(observed.integer(
+        "thrown", {0, 1e9}, AT(observed.thrown),
+        "Blocks thrown in the test, for the shares that passed a screen; 0: as many as were measured."));
+    keys.push_back(observed.number("position_error", "m", kNotNegative, AT(observed.position_error),
+                                   "Standard deviation of easting and of northing of stops whose rows state none."));
+    keys.push_back(observed.number(
+        "speed_error", "m/s", kNotNegative, AT(observed.speed_error),
+        "Likewise of speeds at screens. The simulated speeds get the same error before they are compared."));
+    keys.push_back(
+        observed.number("height_error", "m", kNotNegative, AT(observed.height_error), "Likewise of passing heights."));
+    keys.push_back(observed.number("spin_error", "rad/s", kNotNegative, AT(observed.spin_error), "Likewise of spins."));
+    keys.push_back(
+        observed.number("energy_error", "kJ", kNotNegative, AT(observed.energy_error_kj), "Likewise of energies."));
+    keys.push_back(observed.number(
+        "averaging", "m", kNotNegative, AT(observed.averaging),
+        "Length of path around a screen over which films measured the mean speed of blocks that touched "
+        "the ground there; blocks in free flight have the speed of their parabola. 0: speeds at the screen."));
+    keys.push_back(observed.number("least_speed", "m/s", kNotNegative, AT(observed.least_speed),
+                                   "Slower passages went unseen: simulated ones then count as not passed, too."));
+    keys.push_back(observed.number(
+        "runout_limit", "m", kNotNegative, AT(observed.runout_limit),
+        "Distance along the axis at which the survey ended: stops beyond count there, on both sides. 0: none."));
+    keys.push_back(observed.choice(
+        "broken", kBrokenBlocksNames, AT(observed.broken),
+        "Stops of blocks that broke: keep compares them as if whole, leave_out does not compare them."));
+    keys.push_back(observed.flag(
+        "lateral", AT(observed.lateral),
+        "false: stops are compared by their distance along the axis alone, as a model on a profile must be."));
+    keys.push_back(observed.choice(
+        "axis", kAxisChoiceNames, AT(observed.axis),
+        "Direction along which distance counts, from the centre of the release area. measured: to the mean of the "
+        "measured stops. azimuth: as given. line: along a line of a file, from its first point."));
+    keys.push_back(observed.number("azimuth_deg", "deg", {-360, 360}, AT(observed.azimuth_deg),
+                                   "Direction of the axis \"azimuth\", clockwise from north."));
+    keys.push_back(observed.path("line_file", AT(observed.line.file), "File with the line of the axis \"line\"."));
+    keys.push_back(
+        observed.text("line_layer", AT(observed.line.layer), "Layer of that file; empty if it has only one."));
 }
 
 }  // namespace
@@ -398,6 +455,8 @@ std::span<const Setting<SiteSettings>> site_keys() {
         add_release(k);
         add_model(k);
         add_profile(k);
+        add_screens(k);
+        add_observed(k);
         add_output(k);
         return k;
     }();
@@ -434,6 +493,7 @@ std::string section_help(const std::string& section) {
         return "Profiles of the terrain along lines of steepest slope: `scree profile`, the ground of a 2D model.";
     if (section == "screens") return "Where passing blocks are measured.";
     if (section == "deposit_zones") return "Where stopped blocks are counted.";
+    if (section == "observed") return "How a field test measured, and how `scree compare` holds the model against it.";
     if (section == "output") return "What is written where.";
     return {};
 }

@@ -187,6 +187,8 @@ void check_together(const SiteFile& site) {
     require(s.profile_mode == ProfileMode::Steepest || !s.profile_guide.file.empty(),
             file + ": profile.mode = \"" + kProfileModeNames[static_cast<std::size_t>(s.profile_mode)] +
                 "\" needs profile.guide, a file of lines");
+    require(s.observed.axis != AxisChoice::Line || !s.observed.line.file.empty(),
+            file + ": observed.axis = \"line\" needs observed.line_file");
     if (!s.default_soil.empty()) {
         std::string names;
         bool found = false;

@@ -29,6 +29,34 @@ struct VectorInput {
     std::string field;  ///< text field that matters
 };
 
+enum class AxisChoice { Measured, Azimuth, Line };
+inline constexpr std::array<const char*, 3> kAxisChoiceNames{"measured", "azimuth", "line"};
+
+enum class BrokenBlocks { Keep, LeaveOut };
+inline constexpr std::array<const char*, 2> kBrokenBlocksNames{"keep", "leave_out"};
+
+/// How a field test measured, and how it is compared with.
+struct ObservedSettings {
+    bool matched = true;
+    std::int64_t repeats = 100;  ///< [-]
+    std::int64_t draws = 1000;   ///< [-]
+    std::int64_t thrown = 0;     ///< 0: as many as were measured [-]
+    bool release_positions = true;
+    double position_error = 0.0;   ///< [m]
+    double speed_error = 0.0;      ///< [m/s]
+    double height_error = 0.0;     ///< [m]
+    double spin_error = 0.0;       ///< [rad/s]
+    double energy_error_kj = 0.0;  ///< [kJ]
+    double averaging = 0.0;        ///< [m]
+    double least_speed = 0.0;      ///< [m/s]
+    double runout_limit = 0.0;     ///< 0: none [m]
+    BrokenBlocks broken = BrokenBlocks::Keep;
+    bool lateral = true;
+    AxisChoice axis = AxisChoice::Measured;
+    double azimuth_deg = 0.0;  ///< clockwise from north [deg]
+    VectorInput line;          ///< guiding line
+};
+
 /// A site as its file describes it. Defaults here are the defaults of the keys; the table in settings.cpp says what each is.
 struct SiteSettings {
     std::string name = "Scree";
@@ -73,6 +101,8 @@ struct SiteSettings {
 
     VectorInput screens{{}, {}, "name"};
     VectorInput deposit_zones{{}, {}, "name"};
+
+    ObservedSettings observed;
 
     std::string output_directory = "out";
     std::int64_t trajectories = 100;     ///< [-]

@@ -23,7 +23,7 @@ function(forbid)
 endfunction()
 
 set(gis_libraries "gdal|ogr|cpl_|vrtdataset|proj\\.h|proj/|CGAL/|sqlite3|gmp|mpfr|boost/")
-set(cli_libraries "CLI/|toml")
+set(cli_libraries "CLI/|toml|nlohmann/")
 
 # --- upwards in the core: headers include as scree/LAYER/..., sources also as LAYER/... ---
 set(higher base geometry dynamics ensemble inference)

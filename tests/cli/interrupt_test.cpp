@@ -98,5 +98,22 @@ TEST(Interrupt, WritesWhatWasDoneAndSaysSo) {
     EXPECT_FALSE(read_points(out / "results.gpkg", "release_points").empty());
 }
 
+TEST(Interrupt, OfAComparisonWritesNothing) {
+    const TempDir folder;
+    put(folder / "zones.csv", "name,count,released\n4A,18,20\n");
+    Process run({"compare", (quarry_a() / "site.toml").string(), "--observed", (folder / "zones.csv").string(), "--set",
+                 "release.count=" + std::to_string(kManyBlocks), "--output", (folder / "out").string(),
+                 "--progress=json", "--quiet"});
+    std::string line = run.line();
+    while (!line.empty() && line.find("\"done\"") == std::string::npos) line = run.line();
+    ASSERT_THAT(line, HasSubstr("\"done\"")) << "the run never reported progress";
+    run.interrupt();
+    std::string last;
+    while (!(line = run.line()).empty()) last = line;
+    EXPECT_EQ(run.wait(), 130);
+    EXPECT_THAT(last, HasSubstr("nothing is written"));
+    EXPECT_EQ(contents_of(folder.path()).size(), 1U);
+}
+
 }  // namespace
 }  // namespace scree::test

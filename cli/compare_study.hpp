@@ -1,0 +1,69 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include "cli/observed_site.hpp"
+#include "scree/inference/gap_function.hpp"
+
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace scree::cli {
+
+/// A share of blocks with its 95 % interval (Wilson).
+struct ShareEstimate {
+    std::int64_t count = 0;  ///< [-]
+    std::int64_t of = 0;     ///< [-]
+    double share() const { return of > 0 ? static_cast<double>(count) / static_cast<double>(of) : kNaN; }
+    std::pair<double, double> interval() const { return wilson_interval(count, of); }
+};
+
+struct SharePair {
+    std::string name;
+    double chainage = kNaN;  ///< of what is passed [m]
+    ShareEstimate measured, simulated;
+};
+
+/// Location and spread of a sample, in the unit that people read.
+struct SampleSummary {
+    double mean = kNaN;
+    double deviation = kNaN;
+    std::vector<double> quantiles;  ///< at kSummaryQuantiles
+};
+inline constexpr std::array<double, 7> kSummaryQuantiles{0.05, 0.10, 0.25, 0.50, 0.75, 0.90, 0.95};
+
+/// One observable with all that is shown of it.
+struct ComparedObservable {
+    ObservableGap gap;
+    std::string unit;                         ///< that people read: kJ for J
+    double factor = 1.0;                      ///< from the unit of the tables to that
+    std::string slug;                         ///< name of its files
+    std::vector<double> measured, simulated;  ///< of one dimension, in `unit`
+    SampleSummary measured_summary, simulated_summary;
+    ShareEstimate measured_share, simulated_share;  ///< of shares of one column
+    DistributionBand band;                          ///< in `unit`
+};
+
+/// Everything that a comparison found; text, JSON and pictures are made from it and from nothing else.
+struct CompareStudy {
+    std::string title;
+    std::int64_t seed = 0;
+    std::int64_t repeats = 0;  ///< of matched blocks [-]
+    std::size_t blocks = 0;    ///< measured [-]
+    std::vector<ComparedObservable> observables;
+    Gap overall;
+    std::optional<Gap> overall_score;
+    std::vector<SharePair> zones;           ///< at rest in each deposit zone
+    std::vector<SharePair> beyond_screens;  ///< stopped beyond the chainage at which a screen crosses the axis
+    std::vector<SharePair> beyond;          ///< stopped beyond round chainages
+    std::vector<BlockPit> pits;
+    ObservationTable measured, simulated;
+};
+
+CompareStudy make_study(const SiteFile& site, const SiteModel& model, const ObservedSite& observed,
+                        const CampaignResult& campaign);
+
+/// "speed at ES1-A" of a column.
+std::string column_name(const ObservationOperator& op, const Column& column);
+
+}  // namespace scree::cli

@@ -1,0 +1,388 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "cli/observed_site.hpp"
+
+#include "gis/observation_reader.hpp"
+#include "scree/base/error.hpp"
+#include "scree/base/units.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <iomanip>
+#include <map>
+#include <set>
+#include <sstream>
+
+namespace scree::cli {
+
+namespace {
+
+constexpr double kJoulePerKj = 1000.0;
+constexpr std::size_t kListed = 4;                // offenders that a sentence names [-]
+constexpr std::int64_t kStartsLookedAt = 200;     // blocks released to learn how high blocks start [-]
+constexpr std::uint64_t kPlacesLookedAt = 20000;  // places of the release area to learn how high its ground is [-]
+constexpr double kStartSlack = 0.5;               // what others may start above those [m]
+
+/// "A, B and 3 more".
+std::string listed(const std::set<std::string>& names) {
+    std::string text;
+    std::size_t count = 0;
+    for (const std::string& name : names)
+        if (++count <= kListed) text += (text.empty() ? "" : ", ") + name;
+    return count > kListed ? text + " and " + std::to_string(count - kListed) + " more" : text;
+}
+
+/// Index of a name, added if it is new.
+std::int32_t index_of(std::vector<std::string>& names, const std::string& name) {
+    const auto found = std::find(names.begin(), names.end(), name);
+    if (found != names.end()) return static_cast<std::int32_t>(found - names.begin());
+    names.push_back(name);
+    return static_cast<std::int32_t>(names.size()) - 1;
+}
+
+std::int32_t find_name(const std::vector<std::string>& names, const std::string& name) {
+    const auto found = std::find(names.begin(), names.end(), name);
+    return found == names.end() ? -1 : static_cast<std::int32_t>(found - names.begin());
+}
+
+/// Centre of everything that blocks are released from, by area, length or number.
+Vec2 release_centre(const FeatureLayer& layer) {
+    Vec2 sum = Vec2::Zero();
+    double weight = 0.0;
+    const auto add = [&](const Vec2& p, double w) {
+        sum += w * p;
+        weight += w;
+    };
+    for (const Feature& feature : layer.features) {
+        if (const auto* polygons = std::get_if<MultiPolygon>(&feature.geometry)) {
+            const auto add_ring =
+                [&](const Ring& ring) {  // triangles from its first point; holes run the other way and count negative
+                    for (std::size_t i = 1; i + 1 < ring.size(); ++i) {
+                        const Vec2 a = ring[i] - ring[0], b = ring[i + 1] - ring[0];
+                        add(ring[0] + (a + b) / 3.0, 0.5 * (a.x() * b.y() - a.y() * b.x()));
+                    }
+                };
+            for (const Polygon& polygon : *polygons) {
+                add_ring(polygon.outer);
+                for (const Ring& hole : polygon.holes) add_ring(hole);
+            }
+        } else if (const auto* lines = std::get_if<Polylines>(&feature.geometry)) {
+            for (const Polyline& line : *lines)
+                for (std::size_t i = 1; i < line.points.size(); ++i) {
+                    const Vec2 a = line.points[i - 1].head<2>(), b = line.points[i].head<2>();
+                    add(0.5 * (a + b), (b - a).norm());
+                }
+        } else if (const auto* points = std::get_if<Points>(&feature.geometry)) {
+            for (const Vec3& p : *points) add(p.head<2>(), 1.0);
+        }
+    }
+    return weight > 0.0 ? Vec2(sum / weight) : Vec2(Vec2::Zero());
+}
+
+/// Builds the observations of a site from the records of files.
+class Resolver {
+public:
+    Resolver(const SiteFile& site, const SiteModel& model, const gis::ObservationRecords& records)
+        : site_(site), s_(site.settings.observed), model_(model), records_(records) {}
+
+    ObservedSite resolve() {
+        result_.sources = records_.sources;
+        result_.inputs = records_.files;
+        result_.warnings = records_.warnings;
+        name_places();
+        add_stops();
+        add_crossings();
+        add_shares();
+        add_releases();
+        decide_matching();
+        decide_thrown();
+        set_operator();
+        return std::move(result_);
+    }
+
+private:
+    void find(Severity severity, const char* check, std::string sentence) {
+        result_.findings.push_back({severity, check, std::move(sentence)});
+    }
+
+    void name_places() {
+        for (const Screen& screen : model_.campaign.screens)
+            result_.op.screen_of.push_back(index_of(result_.op.screens, screen.name));
+        for (const DepositZone& zone : model_.campaign.deposit_zones)
+            result_.op.zone_areas.emplace_back(index_of(result_.op.zones, zone.name), zone.region);
+    }
+
+    /// The block that a record is about, with what the record says of it; -1 without an id.
+    std::int32_t block_of(const gis::ObservedBody& body) {
+        if (body.id.empty()) return -1;
+        const auto [at, fresh] = index_.try_emplace(body.id, static_cast<std::int32_t>(index_.size()));
+        if (fresh) result_.observations.blocks.push_back({body.id, kNaN, Vec3::Constant(kNaN), Vec2::Constant(kNaN)});
+        ObservedBlock& block = result_.observations.blocks[static_cast<std::size_t>(at->second)];
+        if (!std::isfinite(block.mass)) block.mass = body.mass;
+        if (!std::isfinite(block.size.sum())) block.size = {body.l1, body.l2, body.l3};
+        return at->second;
+    }
+
+    static double stated(double error, double otherwise) { return std::isfinite(error) ? error : otherwise; }
+
+    void add_stops() {
+        for (const gis::StopRecord& r : records_.stops) {
+            ObservedStop stop;
+            stop.row = r.row;
+            stop.block = block_of(r.body);
+            stop.position = r.position;
+            stop.error = stated(r.error, s_.position_error);
+            stop.censored = r.censored;
+            stop.broken = r.broken;
+            if (r.broken && s_.broken == BrokenBlocks::LeaveOut) stop.position = Vec3::Constant(kNaN);
+            result_.observations.stops.push_back(stop);
+        }
+    }
+
+    void add_crossings() {
+        std::set<std::string> unknown;
+        for (const gis::CrossingRecord& r : records_.crossings) {
+            ObservedCrossing c;
+            c.row = r.row;
+            c.block = block_of(r.body);
+            c.screen = find_name(result_.op.screens, r.screen);
+            c.position = r.position;
+            c.value = {r.speed, r.height, r.spin, kJoulePerKj * r.energy};
+            c.error = {stated(r.speed_error, s_.speed_error), stated(r.height_error, s_.height_error),
+                       stated(r.spin_error, s_.spin_error), kJoulePerKj * stated(r.energy_error, s_.energy_error_kj)};
+            if (c.screen < 0)
+                unknown.insert(r.screen);
+            else
+                result_.observations.crossings.push_back(c);
+        }
+        if (unknown.empty()) return;
+        const std::set<std::string> known(result_.op.screens.begin(), result_.op.screens.end());
+        find(Severity::Error, "unknown_screen",
+             "the observations name screens that the site does not have (" + listed(unknown) + "); it has " +
+                 (known.empty() ? "none: add [screens] to the site file" : listed(known)));
+    }
+
+    void add_shares() {
+        std::set<std::string> unknown;
+        for (const gis::ShareRecord& r : records_.shares) {
+            const std::int32_t zone = find_name(result_.op.zones, r.zone);
+            if (zone < 0)
+                unknown.insert(r.zone);
+            else
+                result_.observations.shares.push_back({r.row, zone, r.count, r.thrown});
+        }
+        if (unknown.empty()) return;
+        const std::set<std::string> known(result_.op.zones.begin(), result_.op.zones.end());
+        find(Severity::Error, "unknown_zone",
+             "the observations name deposit zones that the site does not have (" + listed(unknown) + "); it has " +
+                 (known.empty() ? "none: add [deposit_zones] to the site file" : listed(known)));
+    }
+
+    void add_releases() {
+        if (!s_.release_positions) return;
+        std::set<std::string> off;
+        for (const gis::ReleaseRecord& r : records_.releases) {
+            const auto block = index_.find(r.body.id);
+            if (block == index_.end() || !std::isfinite(r.position.x())) continue;
+            if (model_.terrain.surface->facet_at(r.position.head<2>()) < 0)
+                off.insert(r.body.id);
+            else
+                result_.observations.blocks[static_cast<std::size_t>(block->second)].release = r.position.head<2>();
+        }
+        if (!off.empty())
+            find(Severity::Error, "release_off_terrain",
+                 std::to_string(off.size()) + " release points lie off the DTM or over a hole in it (" + listed(off) +
+                     "): check coordinates and CRS");
+    }
+
+    void decide_matching() {
+        Observations& o = result_.observations;
+        if (o.blocks.empty()) return;
+        std::set<std::string> without;
+        for (ObservedBlock& block : o.blocks) {
+            if (!block.has_body()) take_from_list(block);
+            if (!block.has_body()) without.insert(block.id);
+        }
+        bool some_stops = false, all_stops = true;
+        for (const ObservedStop& s : o.stops) (s.block >= 0 ? some_stops : all_stops) = s.block >= 0;
+        if (some_stops && !all_stops)
+            find(Severity::Error, "ids_incomplete",
+                 "some stops have a block_id and some have none: complete them, or leave the column out");
+        check_screens_complete();
+        if (!s_.matched) return;
+        if (without.size() == o.blocks.size()) {
+            find(Severity::Warning, "blocks_unknown",
+                 "the measured blocks have ids, but neither observations nor block list give their mass_kg, L1_m, "
+                 "L2_m, L3_m: they are compared as a "
+                 "pool with the site's own population");
+        } else if (!without.empty()) {
+            find(Severity::Error, "blocks_unknown",
+                 std::to_string(without.size()) + " of " + std::to_string(o.blocks.size()) + " measured blocks (" +
+                     listed(without) +
+                     ") have no mass_kg, L1_m, L2_m, L3_m, neither in the observations nor in the block list: complete "
+                     "them, or compare pools with "
+                     "--set observed.matched=false");
+        } else {
+            o.matched = true;
+        }
+    }
+
+    void take_from_list(ObservedBlock& block) const {
+        for (const BlockRow& row : model_.campaign.population.list) {
+            if (row.id != block.id) continue;
+            block.mass = row.mass;
+            block.size = row.size;
+        }
+    }
+
+    void check_screens_complete() {
+        const Observations& o = result_.observations;
+        std::set<std::string> mixed;
+        for (std::size_t s = 0; s < result_.op.screens.size(); ++s) {
+            bool with = false, without = false;
+            for (const ObservedCrossing& c : o.crossings)
+                if (static_cast<std::size_t>(c.screen) == s) (c.block >= 0 ? with : without) = true;
+            if (with && without) mixed.insert(result_.op.screens[s]);
+        }
+        if (!mixed.empty())
+            find(Severity::Error, "ids_incomplete",
+                 "some crossings of " + listed(mixed) +
+                     " have a block_id and some have none: complete them, or leave the column out");
+    }
+
+    void decide_thrown() {
+        Observations& o = result_.observations;
+        o.thrown = s_.thrown;
+        if (o.thrown > 0) return;
+        for (const ObservedShare& share : o.shares) o.thrown = std::max(o.thrown, share.thrown);
+        o.thrown =
+            std::max({o.thrown, static_cast<std::int64_t>(o.stops.size()), static_cast<std::int64_t>(o.blocks.size())});
+    }
+
+    void set_operator() {
+        ObservationOperator& op = result_.op;
+        op.least_speed = s_.least_speed;
+        op.lateral = s_.lateral;
+        if (s_.runout_limit > 0.0) op.runout_limit = s_.runout_limit;
+        op.origin = release_centre(model_.release.layer);
+        std::ostringstream text;
+        text << std::fixed << std::setprecision(0);
+        if (s_.axis == AxisChoice::Line) {
+            const gis::VectorData data =
+                read_site_layer(site_, s_.line, "axis of the observations", {GeometryKind::LineString}, model_.terrain);
+            std::vector<Vec2> line;
+            for (const Vec3& p : std::get<Polylines>(data.layer.features.front().geometry).front().points)
+                line.push_back(p.head<2>());
+            if (std::all_of(line.begin(), line.end(), [&](const Vec2& p) { return p == line.front(); }))
+                throw InputError("The axis of the observations in '" + s_.line.file +
+                                 "' has no length; draw it from the release down the slope.");
+            op.axis = Axis(std::move(line));
+            text << "along the line of " << s_.line.file << ", from its first point";
+            result_.inputs.push_back(site_.resolve(s_.line.file).string());
+        } else {
+            double azimuth = radians_from_degrees(s_.azimuth_deg);
+            std::string towards;
+            if (s_.axis == AxisChoice::Measured) azimuth = measured_azimuth(towards);
+            op.axis = Axis(op.origin, azimuth);
+            const double degrees = std::fmod(degrees_from_radians(azimuth) + 360.0, 360.0);
+            text << "along azimuth " << degrees << " degrees from the centre of the release area" << towards;
+        }
+        result_.axis_text = text.str();
+    }
+
+    /// From the release to the mean of the stops; where there are none, to the middle of the lowest screen or down the terrain's slope.
+    double measured_azimuth(std::string& towards) const {
+        Vec2 sum = Vec2::Zero();
+        double count = 0.0;
+        for (const ObservedStop& s : result_.observations.stops) {
+            if (!std::isfinite(s.position.x())) continue;
+            sum += s.position.head<2>();
+            count += 1.0;
+            towards = ", towards the mean of the measured stops";
+        }
+        const auto& screens = model_.campaign.screens;
+        if (count == 0.0 && !screens.empty()) {
+            double lowest = kInfinity;
+            for (const Screen& screen : screens) {
+                const Vec2 middle = 0.5 * (screen.line.front() + screen.line.back());
+                const double height = model_.terrain.surface->height(middle);
+                if (!(height < lowest)) continue;
+                lowest = height;
+                towards = ", towards the middle of the screen " + screen.name;
+                sum = middle;
+                count = 1.0;
+            }
+        }
+        const Vec2 way = count > 0.0 ? Vec2(sum / count - result_.op.origin) : Vec2(Vec2::Zero());
+        if (way.norm() > 0.0) return std::atan2(way.x(), way.y());
+        towards = ", down the slope there";
+        const bool on_terrain = model_.terrain.surface->facet_at(result_.op.origin) >= 0;
+        const Vec3 normal = on_terrain ? model_.terrain.surface->normal(result_.op.origin) : Vec3::UnitX();
+        return std::atan2(normal.x(), normal.y());
+    }
+
+    const SiteFile& site_;
+    const ObservedSettings& s_;
+    const SiteModel& model_;
+    const gis::ObservationRecords& records_;
+    std::map<std::string, std::int32_t> index_;
+    ObservedSite result_;
+};
+
+/// Height of the centre of mass of the highest block that the site releases [m].
+double highest_start(const SiteModel& model, const Observations& observations) {
+    const CampaignInput& c = model.campaign;
+    double highest = -kInfinity;
+    const std::int64_t tried = std::min(c.release.count, kStartsLookedAt);
+    const auto blocks = static_cast<std::int64_t>(observations.blocks.size());
+    for (std::int64_t k = 0; k < tried + blocks; ++k) {
+        std::int64_t feature = 0;
+        double raised = 0.0;
+        const PopulationBlock block = draw_block(c.population, c.seed, static_cast<std::uint64_t>(k));
+        const Vec2 fixed =
+            k < tried ? Vec2::Constant(kNaN) : observations.blocks[static_cast<std::size_t>(k - tried)].release;
+        const BlockState<3> state = draw_release(c.release, *c.area, *c.surface, block.body, c.seed,
+                                                 static_cast<std::uint64_t>(k), feature, raised, fixed);
+        highest = std::max(highest, state.position.z());
+    }
+    for (std::uint64_t k = 0; k < kPlacesLookedAt; ++k) {
+        std::int64_t feature = 0;
+        const double ground = c.surface->height(c.area->draw(c.seed, k, feature));
+        highest = std::max(highest, ground + c.release.height + c.release.height_spread);
+    }
+    return highest + kStartSlack;
+}
+
+}  // namespace
+
+ObservedSite load_observed(const SiteFile& site, const SiteModel& model, const std::string& path) {
+    const gis::ObservationRecords records =
+        gis::read_observations(path, model.terrain.data.frame, model.terrain.data.grid.shape.bounds());
+    ObservedSite observed = Resolver(site, model, records).resolve();
+
+    AuditSite audit;
+    audit.surface = model.terrain.surface.get();
+    audit.screens = model.campaign.screens;
+    audit.blocks = model.campaign.population.list;
+    audit.highest_start = highest_start(model, observed.observations);
+    audit.start_speed = model.campaign.release.speed;
+    audit.gravity = model.campaign.dynamics.gravity;
+    audit.map_height = model.terrain.data.frame.height;
+    for (Finding& f : audit_observations(observed.observations, observed.op, audit))
+        observed.findings.push_back(std::move(f));
+    std::stable_sort(observed.findings.begin(), observed.findings.end(),
+                     [](const Finding& a, const Finding& b) { return a.severity > b.severity; });
+    return observed;
+}
+
+void match_campaign(const SiteFile& site, const ObservedSite& observed, CampaignInput& campaign) {
+    campaign.screen_span = site.settings.observed.averaging;
+    if (!observed.observations.matched) return;
+    campaign.population.list.clear();
+    for (const ObservedBlock& block : observed.observations.blocks)
+        campaign.population.list.push_back({block.id, block.mass, block.size, block.release});
+    campaign.population.in_turn = true;
+    campaign.release.count =
+        site.settings.observed.repeats * static_cast<std::int64_t>(observed.observations.blocks.size());
+}
+
+}  // namespace scree::cli

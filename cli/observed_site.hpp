@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include "cli/site_model.hpp"
+#include "scree/inference/observation_audit.hpp"
+
+#include <string>
+#include <vector>
+
+namespace scree::cli {
+
+/// A field test as a site sees it: records resolved to the site's screens, zones and blocks, and judged.
+struct ObservedSite {
+    Observations observations;
+    ObservationOperator op;
+    std::vector<Finding> findings;      ///< errors first
+    std::string axis_text;              ///< where distance along is counted from and to, for people
+    std::vector<std::string> sources;   ///< what was read, a line each
+    std::vector<std::string> inputs;    ///< files, as opened
+    std::vector<std::string> warnings;  ///< of the readers
+
+    bool has_errors() const { return !findings.empty() && findings.front().severity == Severity::Error; }
+};
+
+/// Reads and judges the measurements at `path`. Throws InputError where they cannot be read; what they say is judged in `findings`.
+ObservedSite load_observed(const SiteFile& site, const SiteModel& model, const std::string& path);
+
+/// Turns a campaign of the site into one of the field test: known blocks in turn, each as often as the settings say, and speeds as films give them.
+void match_campaign(const SiteFile& site, const ObservedSite& observed, CampaignInput& campaign);
+
+}  // namespace scree::cli

@@ -1,0 +1,104 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "cli/plot.hpp"
+
+#include <cmath>
+
+namespace scree::cli {
+
+namespace {
+
+constexpr double kTick = 5.0;         // [pixel]
+constexpr double kNumberSize = 11.5;  // [pixel]
+constexpr double kTitleSize = 12.5;   // [pixel]
+
+const gis::SvgPen kGrid{.stroke = "#000000", .width = 0.5, .fill = "none", .opacity = 0.12, .dashes = ""};
+const gis::SvgPen kAxis{.stroke = "#444444", .width = 1.0, .fill = "none", .opacity = 1.0, .dashes = ""};
+
+gis::SvgText style(double size, const char* anchor, double turn = 0.0) {
+    gis::SvgText text;
+    text.size = size;
+    text.anchor = anchor;
+    text.turn = turn;
+    return text;
+}
+
+/// Calls `draw(value, text)` at every round number of an axis.
+template <class Draw>
+void each_tick(double low, double high, int most, Draw draw) {
+    const double step = gis::round_step(high - low, most);
+    for (double k = std::ceil(low / step - 1e-9); k * step <= high + 1e-9 * step; k += 1.0)
+        draw(k * step, gis::axis_number(k * step, step));
+}
+
+}  // namespace
+
+void draw_x_axis(gis::Svg& svg, const gis::SvgPanel& panel, const std::string& title, int most, bool grid) {
+    const Box2& p = panel.pixels;
+    each_tick(panel.data.min.x(), panel.data.max.x(), most, [&](double value, const std::string& number) {
+        const double x = panel.at({value, panel.data.min.y()}).x();
+        if (grid) svg.segment({x, p.min.y()}, {x, p.max.y()}, kGrid);
+        svg.segment({x, p.max.y()}, {x, p.max.y() + kTick}, kAxis);
+        svg.text({x, p.max.y() + kTick + 12.0}, number, style(kNumberSize, "middle"));
+    });
+    svg.text({0.5 * (p.min.x() + p.max.x()), p.max.y() + 35.0}, title, style(kTitleSize, "middle"));
+}
+
+void draw_y_axis(gis::Svg& svg, const gis::SvgPanel& panel, const std::string& title, int most, bool grid) {
+    const Box2& p = panel.pixels;
+    double widest = 0.0;
+    each_tick(panel.data.min.y(), panel.data.max.y(), most, [&](double value, const std::string& number) {
+        const double y = panel.at({panel.data.min.x(), value}).y();
+        if (grid) svg.segment({p.min.x(), y}, {p.max.x(), y}, kGrid);
+        svg.segment({p.min.x() - kTick, y}, {p.min.x(), y}, kAxis);
+        svg.text({p.min.x() - kTick - 3.0, y + 4.0}, number, style(kNumberSize, "end"));
+        widest = std::max(widest, text_width(number, kNumberSize));
+    });
+    svg.text({p.min.x() - kTick - widest - 14.0, 0.5 * (p.min.y() + p.max.y())}, title,
+             style(kTitleSize, "middle", -90.0));
+}
+
+void draw_frame(gis::Svg& svg, const gis::SvgPanel& panel) {
+    svg.box(panel.pixels, kAxis);
+}
+
+void draw_interval(gis::Svg& svg, const Vec2& low, const Vec2& high, const std::string& colour) {
+    constexpr double kCap = 4.0;  // [pixel]
+    gis::SvgPen pen = kAxis;
+    pen.stroke = colour;
+    pen.width = 1.5;
+    const Vec2 cap = low.x() == high.x() ? Vec2(kCap, 0.0) : Vec2(0.0, kCap);
+    svg.segment(low, high, pen);
+    svg.segment(low - cap, low + cap, pen);
+    svg.segment(high - cap, high + cap, pen);
+}
+
+double draw_legend(gis::Svg& svg, const Vec2& at, LegendMark mark, const std::string& colour,
+                   const std::string& words) {
+    constexpr double kMark = 20.0;  // [pixel]
+    gis::SvgPen stroke = kAxis, fill;
+    stroke.stroke = fill.fill = colour;
+    stroke.width = 2.0;
+    const Box2 box{at - Vec2(0.0, 9.0), at + Vec2(kMark, 1.0)};
+    if (mark == LegendMark::Line) svg.segment(at - Vec2(0.0, 4.0), at + Vec2(kMark, -4.0), stroke);
+    if (mark == LegendMark::Band) {
+        fill.opacity = 0.25;
+        svg.box(box, fill);
+    }
+    if (mark == LegendMark::Box) svg.box(box, fill);
+    if (mark == LegendMark::Dot) svg.circle(at + Vec2(0.5 * kMark, -4.0), 4.5, fill);
+    svg.text(at + Vec2(kMark + 6.0, 0.0), words, style(kNumberSize, "start"));
+    return kMark + 6.0 + text_width(words, kNumberSize) + 18.0;
+}
+
+double text_width(const std::string& text, double size) {
+    constexpr double kMeanLetter = 0.58;  // of the height, in the sans-serif faces that browsers take [-]
+    return kMeanLetter * size * static_cast<double>(text.size());
+}
+
+std::pair<double, double> padded_range(double low, double high) {
+    const double span = high > low ? high - low : std::max(1.0, std::abs(low));
+    if (low >= 0.0 && low < 0.35 * span) return {0.0, high + 0.04 * span};
+    return {low - 0.04 * span, high + 0.04 * span};
+}
+
+}  // namespace scree::cli

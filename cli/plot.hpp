@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include "gis/svg.hpp"
+
+#include <string>
+#include <vector>
+
+namespace scree::cli {
+
+/// Colours that stay apart for people who see few of them (after Okabe & Ito) and in grey.
+inline constexpr const char* kMeasuredColour = "#0b4f8a";
+inline constexpr const char* kSimulatedColour = "#d55e00";
+inline constexpr const char* kChanceColour = "#b9b9b9";
+inline constexpr const char* kTextColour = "#222222";
+
+/// Ticks, numbers and a title on one side of a panel; lines across it if `grid`.
+void draw_x_axis(gis::Svg& svg, const gis::SvgPanel& panel, const std::string& title, int most = 8, bool grid = true);
+void draw_y_axis(gis::Svg& svg, const gis::SvgPanel& panel, const std::string& title, int most = 8, bool grid = true);
+void draw_frame(gis::Svg& svg, const gis::SvgPanel& panel);
+
+/// A point with its interval, upright or level.
+void draw_interval(gis::Svg& svg, const Vec2& low, const Vec2& high, const std::string& colour);
+
+/// One line of a legend: a mark and words. Returns the width it took [pixel].
+enum class LegendMark { Line, Band, Box, Dot };
+double draw_legend(gis::Svg& svg, const Vec2& at, LegendMark mark, const std::string& colour, const std::string& words);
+
+/// Width of a text as most fonts set it [pixel].
+double text_width(const std::string& text, double size);
+
+/// A range with a little room on both sides; round zero if it is near.
+std::pair<double, double> padded_range(double low, double high);
+
+}  // namespace scree::cli

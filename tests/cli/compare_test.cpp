@@ -1,0 +1,253 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// `scree compare` on quarry_a against measurements that scree made itself: with another seed, which must be as if nothing differed, and with another
+// ground, which must show; and what it refuses.
+#include "cli/program.hpp"
+#include "cli/results.hpp"
+#include "support/paths.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include <regex>
+
+namespace scree::test {
+namespace {
+
+using nlohmann::json;
+using testing::ElementsAre;
+using testing::Gt;
+using testing::HasSubstr;
+using testing::IsEmpty;
+using testing::Lt;
+using testing::Not;
+namespace fs = std::filesystem;
+
+constexpr int kMeasured = 30;
+
+/// A field test as a folder of results: quarry_a with another seed.
+fs::path field_test(const TempDir& folder, const std::vector<std::string>& more = {}) {
+    std::vector<std::string> options{"--set", "release.count=" + std::to_string(kMeasured), "--seed", "2"};
+    options.insert(options.end(), more.begin(), more.end());
+    EXPECT_EQ(run_quarry_a(folder / "field", options).code, 0);
+    return folder / "field";
+}
+
+Outcome compare(const fs::path& observed, const fs::path& output, const std::vector<std::string>& more = {}) {
+    std::vector<std::string> args{"compare",    (quarry_a() / "site.toml").string(),
+                                  "--observed", observed.string(),
+                                  "--output",   output.string(),
+                                  "--set",      "observed.repeats=8",
+                                  "--set",      "observed.draws=300"};
+    args.insert(args.end(), more.begin(), more.end());
+    return scree_program(args);
+}
+
+json report(const fs::path& folder) {
+    return json::parse(text_of(folder / "compare.json"));
+}
+
+json observable(const json& report, const std::string& name) {
+    for (const json& o : report.at("observables"))
+        if (o.at("name") == name) return o;
+    ADD_FAILURE() << "no observable " << name;
+    return {};
+}
+
+bool within_chance(const json& gap) {
+    return gap.at("gap") >= gap.at("chance_95")[0] && gap.at("gap") <= gap.at("chance_95")[1];
+}
+
+TEST(Compare, OfTheSameModelWithAnotherSeedIsAboutOne) {
+    const TempDir folder;
+    const fs::path out = folder / "out";
+    const Outcome run = compare(field_test(folder), out);
+    ASSERT_EQ(run.code, 0) << run.err;
+    EXPECT_THAT(run.out, HasSubstr("30 measured blocks, each simulated 8 times with its own mass and lengths"));
+    EXPECT_THAT(run.out, HasSubstr("=> within chance"));
+
+    const json j = report(out);
+    EXPECT_EQ(j.at("design"), "known blocks");
+    EXPECT_EQ(j.at("simulated").at("released"), 8 * kMeasured);
+    EXPECT_TRUE(within_chance(j.at("overall").at("pooled"))) << j.at("overall");
+    EXPECT_TRUE(within_chance(j.at("overall").at("per_block"))) << j.at("overall");
+    EXPECT_THAT(j.at("overall").at("pooled").at("gap").get<double>(), testing::AllOf(Gt(0.3), Lt(2.5)));
+    EXPECT_THAT(j.at("overall").at("per_block").at("gap").get<double>(), testing::AllOf(Gt(0.8), Lt(1.25)));
+    const json runout = observable(j, "runout");
+    EXPECT_EQ(runout.at("measured_n"), kMeasured);
+    EXPECT_THAT(runout.at("wasserstein").at("distance").get<double>(),
+                Lt(2.0 * runout.at("wasserstein").at("chance_p95").get<double>()));
+    EXPECT_EQ(j.at("pit").size() % kMeasured, 0U);
+
+    // shares of all zones add up to one on both sides: the zones of the site leave nothing out
+    double measured = 0.0, simulated = 0.0;
+    for (const json& zone : j.at("deposit_zones")) {
+        measured += zone.at("measured").at("share").get<double>();
+        simulated += zone.at("simulated").at("share").get<double>();
+    }
+    EXPECT_NEAR(measured, 1.0, 1e-9);
+    EXPECT_NEAR(simulated, 1.0, 0.03) << "a few blocks leave the terrain";
+}
+
+TEST(Compare, OfAnotherGroundIsClearlyAboveOne) {
+    const TempDir folder;
+    const Outcome run = compare(field_test(folder, {"--set", "soil.compact waste.rolling=0.2"}), folder / "out");
+    ASSERT_EQ(run.code, 0) << run.err;
+    EXPECT_THAT(run.out, HasSubstr("=> beyond chance"));
+    const json j = report(folder / "out");
+    EXPECT_THAT(observable(j, "runout").at("pooled").at("gap").get<double>(), Gt(5.0));
+    EXPECT_FALSE(within_chance(observable(j, "runout").at("pooled")));
+    EXPECT_THAT(observable(j, "runout").at("pooled").at("p").get<double>(), Lt(0.01));
+    EXPECT_FALSE(within_chance(j.at("overall").at("pooled")));
+    EXPECT_TRUE(within_chance(observable(j, "speed at ES1-A").at("pooled"))) << "the slope above is as it was";
+}
+
+TEST(Compare, WritesReportPicturesAndLayersThatNameNoFolder) {
+    const TempDir folder;
+    const fs::path out = folder / "out", observed = field_test(folder);
+    ASSERT_EQ(
+        compare(observed, out, {"--set", "observed.repeats=5", "--set", "observed.draws=100", "--threads", "1"}).code,
+        0);
+    for (const char* name :
+         {"report.html", "compare.json", "compare.toml", "results.gpkg", "results.qgs", "SHA256SUMS",
+          "figures/overview.svg", "figures/gaps.svg", "figures/map.svg", "figures/passing.svg", "figures/pit.svg",
+          "figures/deposit_zones.svg", "figures/speed_at_ES1-A.svg", "rasters/deposits.tif"})
+        EXPECT_TRUE(fs::exists(out / name)) << name;
+    EXPECT_EQ(read_points(out / "results.gpkg", "observed_stops").size(), static_cast<std::size_t>(kMeasured));
+    for (const auto& [name, bytes] : contents_of(out)) {
+        if (name == "compare.toml") continue;  // it leads to the inputs
+        EXPECT_EQ(bytes.find(folder.path().string()), std::string::npos) << name;
+        EXPECT_EQ(bytes.find(quarry_a().string()), std::string::npos) << name;
+        if (!name.ends_with(".svg")) continue;
+        EXPECT_THAT(bytes, HasSubstr("[")) << name << ": every axis has a unit";
+        EXPECT_THAT(bytes, Not(HasSubstr("nan"))) << name;
+    }
+    EXPECT_THAT(text_of(out / "report.html"), Not(HasSubstr("nan")));
+
+    // byte for byte on any number of threads, and from compare.toml
+    fs::rename(out, folder / "first");
+    ASSERT_EQ(
+        compare(observed, out, {"--set", "observed.repeats=5", "--set", "observed.draws=100", "--threads", "3"}).code,
+        0);
+    EXPECT_THAT(differing_files(folder / "first", out), IsEmpty());
+    const Outcome again = scree_program({"compare", (out / "compare.toml").string(), "--observed", observed.string(),
+                                         "--output", (folder / "again").string()});
+    ASSERT_EQ(again.code, 0) << again.err;
+    EXPECT_THAT(differing_files(out, folder / "again", {"compare.toml", "SHA256SUMS"}), IsEmpty());
+}
+
+TEST(Compare, TakesTablesWithoutIdsAsAPool) {
+    const TempDir folder;
+    std::string stops = "easting_m,northing_m,crs,position_error_m\n", film = "screen,speed_ms,speed_error_ms\n",
+                shares = "name,count,released\n1A,0,20\n4A,18,20\n";
+    for (int k = 0; k < 20; ++k) {
+        stops += std::to_string(890'080 + k) + "," + std::to_string(6'670'030 + k) + ",EPSG:2154,0.1\n";
+        film += "ES1-A," + std::to_string(13.0 + 0.15 * k) + ",0.7\n";
+    }
+    fs::create_directories(folder / "obs");
+    put(folder / "obs" / "stopping_points.csv", stops);
+    put(folder / "obs" / "screen_crossings.csv", film);
+    put(folder / "obs" / "deposit_zones.csv", shares);
+    const Outcome run = compare(folder / "obs", folder / "out", {"--set", "release.count=150"});
+    ASSERT_EQ(run.code, 0) << run.err;
+    const json j = report(folder / "out");
+    EXPECT_EQ(j.at("design"), "pool");
+    EXPECT_EQ(j.at("simulated").at("released"), 150);
+    EXPECT_FALSE(j.at("overall").contains("per_block"));
+    EXPECT_TRUE(j.at("pit").empty());
+    EXPECT_EQ(observable(j, "passing ES1-A").at("measured").at("of"), 20);
+    EXPECT_EQ(observable(j, "speed at ES1-A").at("measured_n"), 20);
+    EXPECT_THAT(j.at("findings"), IsEmpty());
+
+    // one table alone
+    ASSERT_EQ(compare(folder / "obs" / "deposit_zones.csv", folder / "zones", {"--set", "release.count=150"}).code, 0);
+    const json zones = report(folder / "zones");
+    ASSERT_EQ(zones.at("observables").size(), 1U);
+    EXPECT_EQ(zones.at("deposit_zones").size(), 2U);
+    EXPECT_EQ(zones.at("deposit_zones")[1].at("measured").at("count"), 18);
+}
+
+TEST(Compare, StopsAtMeasurementsThatCannotBe) {
+    const TempDir folder;
+    put(folder / "stops.csv",
+        "block_id,easting_m,northing_m,crs\nA01,890080,6670040,EPSG:2154\nA02,890000.1,6670040,EPSG:2154\nA01,890081,"
+        "6670040,EPSG:2154\nQ9,890081,6670040,EPSG:2154\n");
+    const Outcome run = compare(folder / "stops.csv", folder / "out");
+    EXPECT_EQ(run.code, 3);
+    EXPECT_THAT(run.err, HasSubstr("error: 1 stop lies off the DTM or over a hole in it (A02)"));
+    EXPECT_THAT(run.err, HasSubstr("error: 1 block_id has more than one stop (A01)"));
+    EXPECT_THAT(run.err, HasSubstr("error: 1 of 3 measured blocks (Q9) have no mass_kg"));
+    EXPECT_THAT(run.out, IsEmpty());
+    EXPECT_EQ(contents_of(folder.path()).size(), 1U) << "nothing is written";
+
+    put(folder / "film.csv", "screen,speed_ms\nES9,3\n");
+    const Outcome screen = compare(folder / "film.csv", folder / "out");
+    EXPECT_EQ(screen.code, 3);
+    EXPECT_THAT(screen.err, HasSubstr("screens that the site does not have (ES9); it has ES1-A, ES2-A"));
+    put(folder / "zone.csv", "name,count,released\n9Z,3,50\n");
+    EXPECT_THAT(compare(folder / "zone.csv", folder / "out").err,
+                HasSubstr("deposit zones that the site does not have (9Z); it has 1A, 2A, 3A, 4A"));
+}
+
+TEST(Compare, LeavesResultsAloneUnlessTold) {
+    const TempDir folder;
+    put(folder / "zones.csv", "name,count,released\n4A,18,20\n");
+    const std::vector<std::string> quick{"--set", "release.count=10", "--quiet"};
+    ASSERT_EQ(compare(folder / "zones.csv", folder / "out", quick).code, 0);
+    const auto before = contents_of(folder / "out");
+    const Outcome refused = compare(folder / "zones.csv", folder / "out", quick);
+    EXPECT_EQ(refused.code, 3);
+    EXPECT_THAT(refused.err, HasSubstr("--overwrite"));
+    EXPECT_EQ(contents_of(folder / "out"), before);
+    const Outcome again =
+        compare(folder / "zones.csv", folder / "out", {"--set", "release.count=12", "--quiet", "--overwrite"});
+    EXPECT_EQ(again.code, 0);
+    EXPECT_THAT(again.out, IsEmpty());
+    EXPECT_EQ(report(folder / "out").at("simulated").at("released"), 12);
+}
+
+TEST(Compare, AxisMayBeADirectionOrALine) {
+    const TempDir folder;
+    put(folder / "stops.csv", "easting_m,northing_m,crs\n890080,6670040,EPSG:2154\n890090,6670050,EPSG:2154\n");
+    const std::vector<std::string> quick{"--set", "release.count=10",       "--set", "observed.axis=azimuth",
+                                         "--set", "observed.azimuth_deg=90"};
+    const Outcome run = compare(folder / "stops.csv", folder / "east", quick);
+    ASSERT_EQ(run.code, 0) << run.err;
+    EXPECT_THAT(run.out, HasSubstr("distance along azimuth 90 degrees from the centre of the release area"));
+    const json east = report(folder / "east");
+    const double from = east.at("axis").at("origin")[0].get<double>();
+    EXPECT_NEAR(observable(east, "distance along").at("measured").at("mean").get<double>(), 890'085.0 - from, 1e-6);
+    const std::vector<std::string> along_line{"--set", "release.count=10", "--set", "observed.axis=line"};
+    const Outcome none = compare(folder / "stops.csv", folder / "none", along_line);
+    EXPECT_EQ(none.code, 3);
+    EXPECT_THAT(none.err, HasSubstr("needs observed.line_file"));
+
+    // 20 m east, then 20 m north and on
+    const auto line_to = [&](const std::string& name, const std::string& points) {
+        put(folder / name, R"({"type":"FeatureCollection","crs":{"type":"name","properties":{"name":"urn:ogc:def:crs:)"
+                           R"(EPSG::2154"}},"features":[{"type":"Feature","properties":{},"geometry":{"type":)"
+                           R"("LineString","coordinates":[)" +
+                               points + "]}}]}");
+        std::vector<std::string> options = along_line;
+        for (const std::string& set :
+             {"observed.line_file=" + (folder / name).string(), std::string("observed.lateral=false")}) {
+            options.push_back("--set");
+            options.push_back(set);
+        }
+        return compare(folder / "stops.csv", folder / (name + "_out"), options);
+    };
+    const Outcome bent = line_to("bent.geojson", "[890020,6670030],[890040,6670030],[890040,6670050]");
+    ASSERT_EQ(bent.code, 0) << bent.err;
+    const json along = report(folder / "bent.geojson_out");
+    EXPECT_NEAR(observable(along, "distance along").at("measured").at("mean").get<double>(), 35.0, 1e-6)
+        << "(890080, 6670040) is nearest to 30 m, (890090, 6670050) to 40 m of the line";
+    for (const json& o : along.at("observables"))
+        EXPECT_THAT(o.at("name").get<std::string>(), testing::AllOf(Not("lateral"), Not("stop position")));
+    EXPECT_TRUE(observable(along, "distance along").at("counts_in_overall").get<bool>());
+    const Outcome point = line_to("point.geojson", "[890020,6670030],[890020,6670030]");
+    EXPECT_EQ(point.code, 3);
+    EXPECT_EQ(contents_of(folder.path()).count("point.geojson_out"), 0U);
+}
+
+}  // namespace
+}  // namespace scree::test
