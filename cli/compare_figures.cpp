@@ -281,11 +281,17 @@ Figure passing_figure(const CompareStudy& study) {
     return {};
 }
 
+constexpr std::ptrdiff_t kLeastInHistogram = 10;  // blocks of which a histogram says something [-]
+
 /// Histograms of the PIT values: level if the simulated spread is right, sloping if it is biased, a bowl if it is too narrow.
 Figure pit_figure(const CompareStudy& study, const ObservedSite& observed) {
     std::vector<Column> columns;
-    for (const BlockPit& p : study.pits)
-        if (std::find(columns.begin(), columns.end(), p.column) == columns.end()) columns.push_back(p.column);
+    for (const BlockPit& p : study.pits) {
+        const auto of_column = [&](const BlockPit& other) { return other.column == p.column; };
+        if (std::find(columns.begin(), columns.end(), p.column) == columns.end() &&
+            std::count_if(study.pits.begin(), study.pits.end(), of_column) >= kLeastInHistogram)
+            columns.push_back(p.column);
+    }
     if (columns.empty()) return {};
     constexpr std::size_t kBins = 10, kInRow = 3;
     constexpr double kWidth = 250.0, kHeight = 120.0;

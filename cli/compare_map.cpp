@@ -231,8 +231,9 @@ Figure compare_map(const CompareStudy& study, const SiteModel& model, const Obse
     if (!model.campaign.screens.empty()) draw_legend(svg, at, LegendMark::Line, "#5a2d91", "screens");
     draw_class_legend(svg, {12.0, 42.0}, cell);
     return {"map.svg", "Map",
-            "Measured stops over the density of the simulated ones. Dotted: the axis along which distance counts, " +
-                observed.axis_text + ".",
+            std::string(observed.observations.stops.empty() ? "Density of the simulated stops"
+                                                            : "Measured stops over the density of the simulated ones") +
+                ". Dotted: the axis along which distance counts, " + observed.axis_text + ".",
             svg.text()};
 }
 
