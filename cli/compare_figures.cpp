@@ -176,9 +176,10 @@ Figure overview(const CompareStudy& study) {
     if (column == 0.0) return {};
     return {
         "overview.svg", "Measurement and simulation",
-        "Shares at rest in the deposit zones and distribution functions at the screens. Band: 95 % of what as many "
-        "blocks of the "
-        "simulation would give, value by value. A known block that did not reach a screen counts there with speed 0.",
+        std::string(zones ? "Shares at rest in the deposit zones. " : "") +
+            "Distribution functions: steps are the measured blocks, the line the simulated ones; band: 95 % of what as "
+            "many blocks of the simulation would give, value by value. A known block that did not reach a screen "
+            "counts there with speed 0.",
         svg.text()};
 }
 
