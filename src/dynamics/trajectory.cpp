@@ -3,6 +3,7 @@
 
 #include "dynamics/engine.hpp"
 #include "dynamics/hull_contacts.hpp"
+#include "dynamics/plane_contacts.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -61,30 +62,68 @@ TrajectoryEnd<3> simulate_block(const ConvexBlock& block, const BlockState<3>& r
     return engine.run(release);
 }
 
+TrajectoryEnd<2> simulate_block(const ConvexPolygon& block, const BlockState<2>& release, const GroundLine& ground,
+                                std::span<const Soil> soils, const DynamicsSettings& settings, MotionSink<2>* sink) {
+    const BodyInertia<2> body{block.mass, Space<2>::Spin(block.inertia)};
+    PlaneContacts contacts(block, ground, settings.vertices_only,
+                           settings.mode == SteppingMode::Event ? PlaneContacts::kPassedBy : -kInfinity);
+    Engine<2, PlaneContacts> engine(body, contacts, soils, settings, sink);
+    return engine.run(release);
+}
+
+namespace {
+
+/// True if nothing touches within the gap after a lift.
+template <int Dim, class Contacts>
+bool is_free(Contacts& finder, const BlockState<Dim>& state, double lift, double gap,
+             std::vector<Contact<Dim>>& contacts) {
+    finder.detect(state.position + lift * Space<Dim>::Vec::Unit(Dim - 1), rotation_matrix(state.orientation), gap,
+                  contacts);
+    return contacts.empty() && finder.cut() <= 0.0;
+}
+
+/// The smallest lift that frees the block, between one that does not and one that does.
+template <int Dim, class Contacts>
+double least_lift(Contacts& finder, const BlockState<Dim>& state, double low, double high, double gap) {
+    std::vector<Contact<Dim>> contacts;
+    while (high - low > 0.1 * gap) {
+        const double middle = 0.5 * (low + high);
+        (is_free<Dim>(finder, state, middle, gap, contacts) ? high : low) = middle;
+    }
+    return high;
+}
+
+}  // namespace
+
 // From above, not from below: a long block can stick through a ridge so that no corner of it is in the ground and no crest in it, which looks free.
 double clearing_lift(const ConvexBlock& block, const BlockState<3>& state, const Surface& surface, double gap) {
     HullContacts finder(block, surface, false);
-    const Mat3 rotation = state.orientation.toRotationMatrix();
-    auto at = [&](double lift) -> Vec3 { return state.position + lift * Vec3::UnitZ(); };
+    const Mat3 rotation = rotation_matrix(state.orientation);
     std::vector<Contact<3>> contacts;
-    auto is_free = [&](double lift) {
-        finder.detect(at(lift), rotation, gap, contacts);
-        return contacts.empty() && finder.cut() <= 0.0;
-    };
     const double step = kClearingStep * block.inner_radius;
     double high = 0.0;
-    while (finder.clearance(at(high), rotation) < gap && high < kHighestLift) high = std::max(2.0 * high, step);
+    while (finder.clearance(state.position + high * Vec3::UnitZ(), rotation) < gap && high < kHighestLift)
+        high = std::max(2.0 * high, step);
     double low = high;
     do {
         if (low <= 0.0) return 0.0;
         high = low;
         low = std::max(high - step, 0.0);
-    } while (is_free(low));
-    while (high - low > 0.1 * gap) {
-        const double middle = 0.5 * (low + high);
-        (is_free(middle) ? high : low) = middle;
+    } while (is_free<3>(finder, state, low, gap, contacts));
+    return least_lift<3>(finder, state, low, high, gap);
+}
+
+double clearing_lift(const ConvexPolygon& block, const BlockState<2>& state, const GroundLine& ground, double gap) {
+    PlaneContacts finder(block, ground, false);
+    std::vector<Contact<2>> contacts;
+    const double least = std::max(0.0, finder.sunk(state.position, rotation_matrix(state.orientation)));
+    if (is_free<2>(finder, state, least, gap, contacts)) return least;
+    double low = least, high = least + std::max(gap, 0.1 * block.radius);
+    while (!is_free<2>(finder, state, high, gap, contacts) && high < kHighestLift) {
+        low = high;
+        high += high - least;
     }
-    return high;
+    return least_lift<2>(finder, state, low, high, gap);
 }
 
 }  // namespace scree

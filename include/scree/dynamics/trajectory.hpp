@@ -6,6 +6,8 @@
 #include "scree/dynamics/soil.hpp"
 #include "scree/dynamics/state.hpp"
 #include "scree/geometry/convex_block.hpp"
+#include "scree/geometry/convex_polygon.hpp"
+#include "scree/geometry/ground_line.hpp"
 #include "scree/geometry/surface.hpp"
 
 #include <array>
@@ -115,7 +117,13 @@ TrajectoryEnd<3> simulate_block(const ConvexBlock& block, const BlockState<3>& r
                                 std::span<const Soil> soils, const DynamicsSettings& settings,
                                 MotionSink<3>* sink = nullptr);
 
+/// The same in the plane (s, z) of a profile. The block ends as LeftTerrain where it passes an end of the profile.
+TrajectoryEnd<2> simulate_block(const ConvexPolygon& block, const BlockState<2>& release, const GroundLine& ground,
+                                std::span<const Soil> soils, const DynamicsSettings& settings,
+                                MotionSink<2>* sink = nullptr);
+
 /// Smallest upward shift [m] after which no part of the block is closer to the terrain than `gap` [m]; 0 if it is free already.
 double clearing_lift(const ConvexBlock& block, const BlockState<3>& state, const Surface& surface, double gap);
+double clearing_lift(const ConvexPolygon& block, const BlockState<2>& state, const GroundLine& ground, double gap);
 
 }  // namespace scree

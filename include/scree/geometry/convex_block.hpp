@@ -63,7 +63,8 @@ inline constexpr std::array<const char*, 7> kBlockShapeNames{"hull", "sharp",   
 
 struct ShapeSettings {
     BlockShape shape = BlockShape::Hull;
-    int points = 50;  ///< mean number of vertices of `hull`; more makes rounder blocks that run farther [-]
+    int points = 50;          ///< mean number of vertices of `hull`; more makes rounder blocks that run farther [-]
+    int polygon_points = 20;  ///< the same of the polygon in 2D (B&A section 3.2) [-]
     std::vector<Vec3> file_points;  ///< points of the shape `file`, any frame and scale; stretched to the box [m]
 };
 

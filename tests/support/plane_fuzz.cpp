@@ -1,0 +1,161 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "support/plane_fuzz.hpp"
+
+#include "dynamics/plane_contacts.hpp"
+#include "dynamics/rigid_motion.hpp"
+
+#include "scree/base/random.hpp"
+#include "support/plane_scenes.hpp"
+#include "support/scenes.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <sstream>
+
+namespace scree::test {
+
+namespace {
+
+/// A block that is deeper in the ground than this share of its thickness has gone through it [-].
+constexpr double kTunnelShare = 0.5;
+/// Overlaps of less are never a fault, whatever the block's size [m].
+constexpr double kSmallOverlap = 2e-3;
+/// Rise of energy that a step may be left with, as height of fall [m].
+constexpr double kEnergyRise = 1.01e-6;
+/// How many block lengths the ground is long [-].
+constexpr double kLengths = 40.0;
+
+double between_logs(RandomStream& random, double low, double high) {
+    return std::exp(random.uniform(std::log(low), std::log(high)));
+}
+
+enum class Land { Rough, Benches, Gully, Spikes, Noise };
+constexpr std::array<const char*, 5> kLandNames{"rough", "benches", "gully", "spikes", "noise"};
+
+std::vector<Vec2> land(RandomStream& random, Land kind, double length, double cell, double slope, double narrowest) {
+    const bool even = random.uniform() < 0.3;
+    const double noise = kind == Land::Noise ? cell * random.uniform(0.2, 1.0) : cell * between_logs(random, 1e-3, 0.3);
+    const double side = random.uniform(0.2, 2.0), bench = cell * random.uniform(2.0, 6.0);
+    const double cliff = std::tan(random.uniform(85.0, 89.9) * kDegree);
+    std::vector<Vec2> corners;
+    double s = 0.0, fallen = 0.0;
+    while (s < length) {
+        double z = -std::tan(slope) * s + noise * random.uniform(-1.0, 1.0);
+        if (kind == Land::Gully) z += side * std::abs(s - 0.5 * length);
+        if (kind == Land::Spikes && random.uniform() < 0.2) z += cell * random.uniform(0.0, 5.0);
+        corners.emplace_back(s, z - fallen);
+        s += std::max(even ? cell : cell * between_logs(random, 0.01, 2.0),
+                      kind == Land::Spikes || kind == Land::Noise ? narrowest : 0.0);
+        if (kind == Land::Benches && std::floor(s / bench) > std::floor(corners.back().x() / bench)) {
+            const double drop = random.uniform(0.2, 3.0) * bench * (random.uniform() < 0.2 ? -0.3 : 1.0);
+            const Vec2 edge(s, -std::tan(slope) * s - fallen);
+            corners.push_back(edge);
+            s += std::abs(drop) / cliff;
+            fallen += drop;
+            corners.emplace_back(s, edge.y() - drop);
+            s += 0.5 * cell;
+        }
+    }
+    return corners;
+}
+
+ConvexPolygon polygon(RandomStream& random, double largest, std::string& what) {
+    static constexpr std::array<const char*, 6> names{"hull", "box", "plate", "triangle", "sharp", "ellipse"};
+    const auto kind = random.below(names.size());
+    what = names[kind];
+    ShapeSettings shape;
+    Vec3 size = largest * Vec3(1.0, random.uniform(0.3, 1.0), 0.3);
+    if (kind == 2) size.y() = 0.1 * largest;
+    const double mass = 2600.0 * size.prod();
+    if (kind == 3)
+        return make_polygon_from_points({{0.0, 0.0},
+                                         {largest, random.uniform(-0.2, 0.2) * largest},
+                                         {random.uniform(0.0, 1.0) * largest, random.uniform(0.25, 1.0) * largest}},
+                                        mass);
+    shape.shape = kind == 0   ? BlockShape::Hull
+                  : kind == 4 ? BlockShape::Sharp
+                  : kind == 5 ? BlockShape::Ellipsoid
+                              : BlockShape::Box;
+    return make_polygon(shape, size, mass, random);
+}
+
+/// Watches the centre of mass.
+class DepthWatch final : public MotionSink<2> {
+public:
+    explicit DepthWatch(const GroundLine& ground) : ground_(ground) {}
+    void segment(const MotionSegment<2>& motion) override {
+        const double ground = ground_.height(motion.position.x());
+        if (std::isfinite(ground)) deepest_ = std::max(deepest_, ground - motion.position.y());
+    }
+    double deepest() const { return deepest_; }
+
+private:
+    const GroundLine& ground_;
+    double deepest_ = 0.0;
+};
+
+}  // namespace
+
+PlaneFuzzScene plane_fuzz_scene(std::uint64_t number) {
+    RandomStream random(78, number, RandomPurpose::Effect);
+    const auto kind = static_cast<Land>(random.below(kLandNames.size()));
+    const double largest = between_logs(random, 0.01, 10.0), cell = largest * between_logs(random, 0.1, 10.0);
+    const double slope =
+        random.uniform() < 0.2 ? 85.0 * kDegree * random.uniform() : random.uniform(-10.0, 50.0) * kDegree;
+    const double length = kLengths * std::max(largest, cell);
+    std::string shape;
+    const ConvexPolygon block = polygon(random, largest, shape);
+    const std::vector<Vec2> corners = land(random, kind, length, cell, slope, 2.0 * block.inner_radius);
+    std::vector<SoilId> soil(corners.size() - 1);
+    for (SoilId& s : soil) s = static_cast<SoilId>(random.below(2));
+    PlaneFuzzScene scene{{}, GroundLine(profile_of(corners, soil)), {}, block, {}};
+    for (int k = 0; k < 2; ++k) {
+        static constexpr std::array<double, 3> restitution{0.0, 0.3, 0.6};
+        scene.soils.push_back({"soil", restitution[random.below(3)], random.uniform(0.2, 0.9),
+                               random.uniform(0.0, 0.1) * block.inner_radius});
+    }
+    BlockState<2>& s = scene.release;
+    s.position.x() = scene.ground.length() * random.uniform(0.1, 0.7);
+    s.position.y() = scene.ground.height(s.position.x()) + random.uniform(0.0, 2.0) * largest;
+    s.orientation = random.uniform(0.0, 2.0 * std::numbers::pi);
+    s.position.y() += clearing_lift(block, s, scene.ground, 1e-3);
+    const double speed = random.uniform() < 0.3 ? 0.0 : between_logs(random, 0.1, 60.0);
+    const double towards = random.uniform(0.0, 2.0 * std::numbers::pi);
+    s.velocity = speed * Vec2(std::cos(towards), std::sin(towards));
+    s.spin[0] = std::min(60.0, 0.2 + speed) * random.uniform(-1.0, 1.0) / block.radius;
+    std::ostringstream what;
+    what << "scene " << number << ": " << shape << " of " << largest << " m on "
+         << kLandNames[static_cast<std::size_t>(kind)] << ", reaches about " << cell << " m, slope " << slope / kDegree
+         << " deg, " << speed << " m/s";
+    scene.what = what.str();
+    return scene;
+}
+
+PlaneFuzzOutcome plane_fuzz_block(const PlaneFuzzScene& scene, const DynamicsSettings& settings) {
+    PlaneFuzzOutcome outcome;
+    DepthWatch watch(scene.ground);
+    outcome.end = simulate_block(scene.block, scene.release, scene.ground, scene.soils, settings, &watch);
+    const TrajectoryEnd<2>& end = outcome.end;
+    outcome.deepest_centre = watch.deepest();
+    if (end.reason == StopReason::AtRest) {
+        PlaneContacts finder(scene.block, scene.ground, settings.vertices_only);
+        std::vector<Contact<2>> contacts;
+        finder.detect(end.state.position, rotation_matrix(end.state.orientation), 0.0, contacts);
+        for (const auto& c : contacts) outcome.rest_penetration = std::max(outcome.rest_penetration, -c.gap);
+        outcome.rest_penetration = std::max(outcome.rest_penetration, finder.cut());
+    }
+    const double too_deep = std::max(kTunnelShare * scene.block.inner_radius, kSmallOverlap);
+    std::ostringstream fault;
+    if (end.reason == StopReason::Failed) fault << "failed; ";
+    if (outcome.deepest_centre > 0.0) fault << "centre " << outcome.deepest_centre << " m below the ground; ";
+    if (end.counters.largest_penetration > too_deep)
+        fault << "penetration " << end.counters.largest_penetration << " m of " << scene.block.inner_radius << " m; ";
+    if (outcome.rest_penetration > too_deep) fault << "rests " << outcome.rest_penetration << " m deep; ";
+    if (end.counters.largest_energy_rise > kEnergyRise)
+        fault << "energy rises by " << end.counters.largest_energy_rise << " m; ";
+    outcome.fault = fault.str();
+    return outcome;
+}
+
+}  // namespace scree::test
