@@ -26,7 +26,7 @@ void add_hard_problems(const CampaignResult& result, std::size_t most, gis::Resu
         of_block = hard.block == block ? of_block + 1 : 1;
         block = hard.block;
         std::ostringstream text;
-        write_contact_problem(text, hard.problem);
+        std::visit([&](const auto& problem) { write_contact_problem(text, problem); }, hard.problem);
         package.files.push_back(
             {"contact_problem_" + std::to_string(block) + "_" + std::to_string(of_block) + ".txt", text.str()});
     }

@@ -11,6 +11,8 @@
 
 #include <algorithm>
 #include <mutex>
+#include <optional>
+#include <span>
 #include <thread>
 #include <tuple>
 
@@ -20,7 +22,7 @@ namespace {
 
 /// What one thread collects. Merging is order-free: integer sums, maxima, and lists that are sorted by block afterwards.
 struct Partial {
-    CellMap cells;
+    std::vector<CellMap> cells;  ///< one for the map, or one per profile
     std::vector<ScreenCrossing> crossings;
     std::vector<KeptTrajectory> trajectories;
     std::vector<std::int64_t> deposits;
@@ -28,7 +30,33 @@ struct Partial {
     std::vector<HardProblem> hard_problems;
 };
 
-void run_block(const CampaignInput& input, std::int64_t number, BlockResult& result, Partial& partial) {
+/// What the end of a block adds, whatever it moved in. `cells` is where its cells count, `stop_cell` the one in which it ended, if any.
+template <int Dim>
+void settle(const CampaignInput& input, std::int64_t number, const TrajectoryEnd<Dim>& end, PathRecorder<Dim>& recorder,
+            std::size_t map, std::optional<std::size_t> stop_cell, BlockResult& result, Partial& partial) {
+    recorder.finish();
+    result.reason = end.reason;
+    result.time = end.time;
+    result.done = true;
+    partial.counters.merge(end.counters);
+    for (const ContactProblem<Dim>& problem : end.hard_problems) partial.hard_problems.push_back({number, problem});
+    if (end.reason == StopReason::Failed)
+        return;  // its path is not to be trusted: it counts as failed and nowhere else
+
+    if (partial.cells.size() <= map) partial.cells.resize(map + 1);
+    CellMap& cells = partial.cells[map];
+    for (const auto& [cell, values] : recorder.cells()) cells[cell].add_passage(values);
+    if (end.reason == StopReason::AtRest) {
+        if (stop_cell) ++cells[*stop_cell].deposits;
+        partial.deposits.resize(input.deposit_zones.size(), 0);
+        for (std::size_t z = 0; z < input.deposit_zones.size(); ++z)
+            if (input.deposit_zones[z].region.contains(result.stop.head<2>())) ++partial.deposits[z];
+    }
+    partial.crossings.insert(partial.crossings.end(), recorder.crossings().begin(), recorder.crossings().end());
+    if (number < input.kept_trajectories) partial.trajectories.push_back(recorder.take_line());
+}
+
+void run_block_in_space(const CampaignInput& input, std::int64_t number, BlockResult& result, Partial& partial) {
     const auto key = static_cast<std::uint64_t>(number);
     const PopulationBlock block = draw_block(input.population, input.seed, key);
     const Vec2 fixed =
@@ -40,38 +68,52 @@ void run_block(const CampaignInput& input, std::int64_t number, BlockResult& res
     result.size = block.body.size;
     result.release = release.position;
 
-    PathRecorder recorder(input, number, block.body.mass, result);
+    MapRecorder recorder(input, number, block.body.mass, result);
     const TrajectoryEnd<3> end =
         simulate_block(block.body, release, *input.surface, input.soils, input.dynamics, &recorder);
-    recorder.finish();
-    result.reason = end.reason;
     result.stop = end.state.position;
-    result.time = end.time;
-    partial.counters.merge(end.counters);
-    for (const ContactProblem<3>& problem : end.hard_problems) partial.hard_problems.push_back({number, problem});
-    if (end.reason == StopReason::Failed) {  // its path is not to be trusted: it counts as failed and nowhere else
-        result.done = true;
-        return;
-    }
+    const GridShape& grid = input.result_cells;
+    const int column = grid.column_of(result.stop.x()), row = grid.row_of(result.stop.y());
+    const auto cell = grid.contains(column, row) ? std::optional(grid.index(column, row)) : std::nullopt;
+    settle(input, number, end, recorder, 0, cell, result, partial);
+}
 
-    for (const auto& [cell, values] : recorder.cells()) partial.cells[cell].add_passage(values);
-    if (end.reason == StopReason::AtRest) {
-        const int column = input.result_cells.column_of(result.stop.x()),
-                  row = input.result_cells.row_of(result.stop.y());
-        if (input.result_cells.contains(column, row)) ++partial.cells[input.result_cells.index(column, row)].deposits;
-        partial.deposits.resize(input.deposit_zones.size(), 0);
-        for (std::size_t z = 0; z < input.deposit_zones.size(); ++z)
-            if (input.deposit_zones[z].region.contains(result.stop.head<2>())) ++partial.deposits[z];
-    }
-    partial.crossings.insert(partial.crossings.end(), recorder.crossings().begin(), recorder.crossings().end());
-    if (number < input.kept_trajectories) partial.trajectories.push_back(recorder.take_line());
-    result.done = true;
+void run_block_on_profile(const CampaignInput& input, std::span<const GroundLine> grounds, std::int64_t number,
+                          BlockResult& result, Partial& partial) {
+    const auto key = static_cast<std::uint64_t>(number);
+    const PopulationPolygon block = draw_polygon(input.population, input.seed, key);
+    const ProfileRelease::Place place = input.profile_release->draw(input.seed, key);
+    const ProfileTrack& track = input.tracks[place.profile];
+    const GroundLine& ground = grounds[place.profile];
+    const BlockState<2> release =
+        draw_release(input.release, place.s, ground, block.body, input.seed, key, result.raised);
+    auto on_map = [&](const Vec2& p) -> Vec3 {
+        const Vec2 plan = track.profile.place_at(p.x());
+        return {plan.x(), plan.y(), p.y()};
+    };
+    result.row = block.row;
+    result.mass = block.body.mass;
+    result.size = block.body.size;
+    result.feature = place.feature;
+    result.profile = static_cast<std::int32_t>(place.profile);
+    result.release_s = place.s;
+    result.release = on_map(release.position);
+
+    ProfileRecorder recorder(input, track, ground, number, block.body.mass, result);
+    const TrajectoryEnd<2> end = simulate_block(block.body, release, ground, input.soils, input.dynamics, &recorder);
+    result.stop = on_map(end.state.position);
+    result.stop_s = end.state.position.x();
+    const auto cell = static_cast<std::size_t>(std::max(0.0, result.stop_s / input.cell_along));
+    settle(input, number, end, recorder, place.profile,
+           std::optional(std::min(cell, cells_along(track.profile, input.cell_along) - 1)), result, partial);
 }
 
 void collect(const CampaignInput& input, tbb::enumerable_thread_specific<Partial>& partials, CampaignResult& result) {
     for (const DepositZone& zone : input.deposit_zones) result.deposits.push_back({zone.name, 0});
+    result.cells_along.resize(input.tracks.size());
     for (Partial& partial : partials) {
-        merge_cells(result.cells, partial.cells);
+        for (std::size_t k = 0; k < partial.cells.size(); ++k)
+            merge_cells(input.tracks.empty() ? result.cells : result.cells_along[k], partial.cells[k]);
         result.crossings.insert(result.crossings.end(), partial.crossings.begin(), partial.crossings.end());
         std::move(partial.trajectories.begin(), partial.trajectories.end(), std::back_inserter(result.trajectories));
         for (std::size_t z = 0; z < partial.deposits.size(); ++z) result.deposits[z].count += partial.deposits[z];
@@ -96,7 +138,10 @@ void collect(const CampaignInput& input, tbb::enumerable_thread_specific<Partial
 
 CampaignResult run_campaign(const CampaignInput& input, const CampaignProgress& progress,
                             const std::atomic<bool>& stop) {
-    SCREE_ASSERT(input.surface && input.area);
+    const bool in_plane = !input.tracks.empty();
+    SCREE_ASSERT(in_plane ? input.profile_release != nullptr : input.surface && input.area);
+    std::vector<GroundLine> grounds;
+    for (const ProfileTrack& track : input.tracks) grounds.emplace_back(track.profile);
     CampaignResult result;
     result.blocks.resize(static_cast<std::size_t>(input.release.count));
     const int threads =
@@ -110,7 +155,11 @@ CampaignResult run_campaign(const CampaignInput& input, const CampaignProgress& 
                           Partial& partial = partials.local();
                           for (std::int64_t i = range.begin(); i < range.end(); ++i) {
                               if (stop.load(std::memory_order_relaxed)) return;
-                              run_block(input, i, result.blocks[static_cast<std::size_t>(i)], partial);
+                              BlockResult& block = result.blocks[static_cast<std::size_t>(i)];
+                              if (in_plane)
+                                  run_block_on_profile(input, grounds, i, block, partial);
+                              else
+                                  run_block_in_space(input, i, block, partial);
                               ++done;
                               if (progress && progress_mutex.try_lock()) {
                                   const std::lock_guard<std::mutex> lock(progress_mutex, std::adopt_lock);

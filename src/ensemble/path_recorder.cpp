@@ -13,22 +13,15 @@ namespace {
 constexpr double kLineDistance = 0.25;
 constexpr double kLineTime = 0.2;  ///< [s]
 
-/// Motion at the share s in [0, 1] of a segment.
-Vec3 position_at(const MotionSegment<3>& m, double s) {
-    const double t = s * m.duration;
-    return m.position + t * (m.velocity_start + 0.5 * s * (m.velocity_end - m.velocity_start));
-}
-Vec3 velocity_at(const MotionSegment<3>& m, double s) {
-    return m.velocity_start + s * (m.velocity_end - m.velocity_start);
-}
-
-double energy_at(const MotionSegment<3>& m, double mass, double s) {
+template <int Dim>
+double energy_at(const MotionSegment<Dim>& m, double mass, double s) {
     return 0.5 * mass * velocity_at(m, s).squaredNorm() + std::max(m.rotation_energy_start, m.rotation_energy_end);
 }
 
 }  // namespace
 
-PathRecorder::PathRecorder(const CampaignInput& input, std::int64_t block, double mass, BlockResult& result)
+template <int Dim>
+PathRecorder<Dim>::PathRecorder(const CampaignInput& input, std::int64_t block, double mass, BlockResult& result)
     : input_(input),
       block_(block),
       mass_(mass),
@@ -36,26 +29,90 @@ PathRecorder::PathRecorder(const CampaignInput& input, std::int64_t block, doubl
       crossed_(input.screens.size(), false),
       span_speed_(input.screen_span),
       keep_(block < input.kept_trajectories) {
-    for (const Screen& screen : input.screens) {
-        Box2 box;
-        for (const Vec2& p : screen.line) box.add(p);
-        screen_boxes_.push_back(box);
-    }
     line_.block = block;
 }
 
-void PathRecorder::segment(const MotionSegment<3>& m) {
+template <int Dim>
+void PathRecorder<Dim>::segment(const MotionSegment<Dim>& m) {
     // Simpson over the speed: exact to the eye for the length of a parabola's arc
     const double v0 = m.velocity_start.norm(), vm = velocity_at(m, 0.5).norm(), v1 = m.velocity_end.norm();
     result_.path_length += m.duration / 6.0 * (v0 + 4.0 * vm + v1);
     result_.largest_speed = std::max({result_.largest_speed, v0, v1});  // the square of the speed is convex in time
     result_.largest_energy = std::max({result_.largest_energy, energy_at(m, mass_, 0.0), energy_at(m, mass_, 1.0)});
     cross_cells(m);
-    cross_screens(m);
+    if (!crossed_.empty()) {
+        fresh_.clear();
+        cross_screens(m);
+        span_speed_.segment(m, fresh_, crossings_);
+    }
     if (keep_) keep_line(m);
 }
 
-void PathRecorder::cross_cells(const MotionSegment<3>& m) {
+template <int Dim>
+void PathRecorder<Dim>::raise_cell(std::size_t cell, const MotionSegment<Dim>& m, double from, double to) {
+    CellValues& values = cells_[cell];
+    auto raise = [&](CellQuantity quantity, double value) {
+        double& v = values[static_cast<std::size_t>(quantity)];
+        v = std::max(v, value);
+    };
+    raise(CellQuantity::KineticEnergy, std::max(energy_at(m, mass_, from), energy_at(m, mass_, to)));
+    raise(CellQuantity::Speed, std::max(velocity_at(m, from).norm(), velocity_at(m, to).norm()));
+    raise(CellQuantity::Spin, std::max(m.spin_start, m.spin_end));
+    raise(CellQuantity::PassingHeight, largest_height(m, from, to));
+}
+
+template <int Dim>
+void PathRecorder<Dim>::add_crossing(std::size_t screen, const MotionSegment<Dim>& m, double share) {
+    crossed_[screen] = true;
+    const Vec position = position_at(m, share), velocity = velocity_at(m, share);
+    ScreenCrossing c;
+    c.block = block_;
+    c.screen = static_cast<std::int32_t>(screen);
+    c.time = m.start + share * m.duration;
+    c.position = on_map(position);
+    c.velocity = velocity_on_map(position, velocity);
+    c.spin = m.spin_start + share * (m.spin_end - m.spin_start);
+    c.energy = 0.5 * mass_ * velocity.squaredNorm() + m.rotation_energy_start +
+               share * (m.rotation_energy_end - m.rotation_energy_start);
+    c.height = position[Dim - 1] - ground(position);
+    c.measured_speed = velocity.norm();
+    if constexpr (Dim == 2) c.s = position.x();
+    fresh_.push_back({crossings_.size(), share});
+    crossings_.push_back(c);
+}
+
+template <int Dim>
+void PathRecorder<Dim>::keep_line(const MotionSegment<Dim>& m) {
+    auto keep = [&](double s) {
+        line_.points.push_back(on_map(position_at(m, s)));
+        line_.times.push_back(m.start + s * m.duration);
+        line_.speeds.push_back(velocity_at(m, s).norm());
+    };
+    if (line_.points.empty()) keep(0.0);
+    if (m.in_contact) {
+        if ((on_map(position_at(m, 1.0)) - line_.points.back()).norm() >= kLineDistance) keep(1.0);
+        return;
+    }
+    keep(0.0);
+    const int parts = std::max(1, static_cast<int>(std::ceil(m.duration / kLineTime)));
+    for (int k = 1; k <= parts; ++k) keep(static_cast<double>(k) / parts);
+}
+
+template class PathRecorder<2>;
+template class PathRecorder<3>;
+
+// ---- on the map --------------------------------------------------------------------------------------------------------------------
+
+MapRecorder::MapRecorder(const CampaignInput& input, std::int64_t block, double mass, BlockResult& result)
+    : PathRecorder(input, block, mass, result) {
+    for (const Screen& screen : input.screens) {
+        Box2 box;
+        for (const Vec2& p : screen.line) box.add(p);
+        screen_boxes_.push_back(box);
+    }
+}
+
+void MapRecorder::cross_cells(const MotionSegment<3>& m) {
     const GridShape& grid = input_.result_cells;
     const Vec2 start = m.position.head<2>(), end = position_at(m, 1.0).head<2>();
     const Vec2 d = end - start;
@@ -72,29 +129,16 @@ void PathRecorder::cross_cells(const MotionSegment<3>& m) {
             const double at = (grid.origin[axis] + line * grid.cell - start[axis]) / d[axis];
             if (at > s) next = std::min(next, at);
         }
-        enter_cell(m, start + 0.5 * (s + next) * d, s, next);
+        const Vec2 middle = start + 0.5 * (s + next) * d;
+        const int column = grid.column_of(middle.x()), row = grid.row_of(middle.y());
+        if (grid.contains(column, row)) raise_cell(grid.index(column, row), m, s, next);
         s = next;
     }
 }
 
-void PathRecorder::enter_cell(const MotionSegment<3>& m, const Vec2& middle, double from, double to) {
-    const GridShape& grid = input_.result_cells;
-    const int column = grid.column_of(middle.x()), row = grid.row_of(middle.y());
-    if (!grid.contains(column, row)) return;
-    CellValues& values = cells_[grid.index(column, row)];
-    auto raise = [&](CellQuantity quantity, double value) {
-        double& v = values[static_cast<std::size_t>(quantity)];
-        v = std::max(v, value);
-    };
-    raise(CellQuantity::KineticEnergy, std::max(energy_at(m, mass_, from), energy_at(m, mass_, to)));
-    raise(CellQuantity::Speed, std::max(velocity_at(m, from).norm(), velocity_at(m, to).norm()));
-    raise(CellQuantity::Spin, std::max(m.spin_start, m.spin_end));
-    raise(CellQuantity::PassingHeight, largest_height(m, from, to));
-}
-
 /// Over one facet the height above it is a downward parabola in time: its largest value is at an end or at the apex. The path is followed from facet to
 /// facet.
-double PathRecorder::largest_height(const MotionSegment<3>& m, double from, double to) const {
+double MapRecorder::largest_height(const MotionSegment<3>& m, double from, double to) const {
     const Vec2 start = m.position.head<2>();
     const Vec2 d = position_at(m, 1.0).head<2>() - start;
     double largest = 0.0;
@@ -131,15 +175,13 @@ double PathRecorder::largest_height(const MotionSegment<3>& m, double from, doub
     return largest;
 }
 
-void PathRecorder::cross_screens(const MotionSegment<3>& m) {
-    if (screen_boxes_.empty()) return;
-    fresh_.clear();
+void MapRecorder::cross_screens(const MotionSegment<3>& m) {
     const Vec2 start = m.position.head<2>(), end = position_at(m, 1.0).head<2>();
     Box2 box;
     box.add(start);
     box.add(end);
     for (std::size_t k = 0; k < screen_boxes_.size(); ++k) {
-        if (crossed_[k] || !screen_boxes_[k].overlaps(box)) continue;
+        if (has_crossed(k) || !screen_boxes_[k].overlaps(box)) continue;
         const std::vector<Vec2>& line = input_.screens[k].line;
         double first = 2.0;
         for (std::size_t i = 1; i < line.size(); ++i) {
@@ -150,39 +192,83 @@ void PathRecorder::cross_screens(const MotionSegment<3>& m) {
                          r = (w.x() * d.y() - w.y() * d.x()) / determinant;
             if (s >= 0.0 && s <= 1.0 && r >= 0.0 && r <= 1.0) first = std::min(first, s);
         }
-        if (first > 1.0) continue;
-        crossed_[k] = true;
-        ScreenCrossing c;
-        c.block = block_;
-        c.screen = static_cast<std::int32_t>(k);
-        c.time = m.start + first * m.duration;
-        c.position = position_at(m, first);
-        c.velocity = velocity_at(m, first);
-        c.spin = m.spin_start + first * (m.spin_end - m.spin_start);
-        c.energy = 0.5 * mass_ * c.velocity.squaredNorm() + m.rotation_energy_start +
-                   first * (m.rotation_energy_end - m.rotation_energy_start);
-        c.height = c.position.z() - input_.surface->height(c.position.head<2>());
-        c.measured_speed = c.velocity.norm();
-        fresh_.push_back({crossings_.size(), first});
-        crossings_.push_back(c);
+        if (first <= 1.0) add_crossing(k, m, first);
     }
-    span_speed_.segment(m, fresh_, crossings_);
 }
 
-void PathRecorder::keep_line(const MotionSegment<3>& m) {
-    auto keep = [&](double s) {
-        line_.points.push_back(position_at(m, s));
-        line_.times.push_back(m.start + s * m.duration);
-        line_.speeds.push_back(velocity_at(m, s).norm());
-    };
-    if (line_.points.empty()) keep(0.0);
-    if (m.in_contact) {
-        if ((position_at(m, 1.0) - line_.points.back()).norm() >= kLineDistance) keep(1.0);
-        return;
+// ---- along a profile ---------------------------------------------------------------------------------------------------------------
+
+ProfileRecorder::ProfileRecorder(const CampaignInput& input, const ProfileTrack& track, const GroundLine& ground,
+                                 std::int64_t block, double mass, BlockResult& result)
+    : PathRecorder(input, block, mass, result),
+      track_(track),
+      ground_(ground),
+      cell_count_(cells_along(track.profile, input.cell_along)) {}
+
+Vec3 ProfileRecorder::on_map(const Vec2& position) const {
+    const Vec2 place = track_.profile.place_at(position.x());
+    return {place.x(), place.y(), position.y()};
+}
+
+Vec3 ProfileRecorder::velocity_on_map(const Vec2& position, const Vec2& velocity) const {
+    const Vec2 plan = velocity.x() * track_.profile.direction_at(position.x());
+    return {plan.x(), plan.y(), velocity.y()};
+}
+
+void ProfileRecorder::cross_cells(const MotionSegment<2>& m) {
+    const double cell = input_.cell_along, start = m.position.x() / cell, end = position_at(m, 1.0).x() / cell;
+    const int direction = end >= start ? 1 : -1;
+    auto cell_of = [&](double at) { return static_cast<std::int64_t>(std::floor(at)); };
+    const std::int64_t last = cell_of(end);
+    double share = 0.0;
+    for (std::int64_t k = cell_of(start);; k += direction) {
+        const double edge = static_cast<double>(direction > 0 ? k + 1 : k);
+        const double next = k == last ? 1.0 : std::clamp((edge - start) / (end - start), share, 1.0);
+        // beyond the rim there is no cell; the last one takes the very end of the profile
+        if (k >= 0 && k < static_cast<std::int64_t>(cell_count_))
+            raise_cell(static_cast<std::size_t>(k), m, share, next);
+        if (k == last) break;
+        share = next;
     }
-    keep(0.0);
-    const int parts = std::max(1, static_cast<int>(std::ceil(m.duration / kLineTime)));
-    for (int k = 1; k <= parts; ++k) keep(static_cast<double>(k) / parts);
+}
+
+void ProfileRecorder::cross_screens(const MotionSegment<2>& m) {
+    const double start = m.position.x(), end = position_at(m, 1.0).x();
+    struct Passed {
+        std::size_t screen;
+        double share;
+    };
+    std::vector<Passed> passed;
+    for (const ProfileTrack::Mark& mark : track_.marks) {
+        const auto screen = static_cast<std::size_t>(mark.screen);
+        if (has_crossed(screen) || start == end || (mark.s - start) * (mark.s - end) > 0.0) continue;
+        passed.push_back({screen, (mark.s - start) / (end - start)});
+    }
+    std::sort(passed.begin(), passed.end(), [](const Passed& a, const Passed& b) { return a.share < b.share; });
+    for (const Passed& p : passed)
+        if (!has_crossed(p.screen)) add_crossing(p.screen, m, p.share);
+}
+
+/// Over one reach the height above it is a downward parabola in time: its largest value is at an end or at the apex.
+double ProfileRecorder::largest_height(const MotionSegment<2>& m, double from, double to) const {
+    const double start = m.position.x(), way = position_at(m, 1.0).x() - start;
+    const double a = start + from * way, b = start + to * way;
+    double largest = 0.0;
+    const std::size_t first = ground_.reach_at(std::min(a, b)), last = ground_.reach_at(std::max(a, b), first);
+    for (std::size_t k = first; k <= last; ++k) {
+        const GroundReach& reach = ground_.reach(k);
+        auto share_at = [&](double s) { return way == 0.0 ? from : std::clamp((s - start) / way, from, to); };
+        const double low = way == 0.0 ? from : std::min(share_at(reach.from), share_at(reach.to)),
+                     high = way == 0.0 ? to : std::max(share_at(reach.from), share_at(reach.to));
+        auto height = [&](double share) { return position_at(m, share).y() - reach.height(start + share * way); };
+        largest = std::max({largest, height(low), height(high)});
+        // apex of a + b s + c s^2
+        const double h0 = height(0.0), h1 = height(1.0), hm = height(0.5);
+        const double c = 2.0 * (h0 + h1 - 2.0 * hm), slope = h1 - h0 - c;
+        if (c < 0.0 && -slope / (2.0 * c) > low && -slope / (2.0 * c) < high)
+            largest = std::max(largest, height(-slope / (2.0 * c)));
+    }
+    return largest;
 }
 
 }  // namespace scree

@@ -10,13 +10,15 @@
 
 namespace scree {
 
-/// Follows the motion of one block: cells crossed with the largest values inside each, screens, length, a thinned line if wanted.
-/// In plan view the path is a straight line within a segment (exact in flight), so cells, facets and screens are met at exact times.
-class PathRecorder final : public MotionSink<3> {
+/// Follows the motion of one block: cells crossed with the largest values inside each, screens, length, a thinned line if wanted. What is cells and
+/// screens on the map and along a profile is for the two recorders below to say. In plan view the path is a straight line within a segment (exact in
+/// flight), so cells, facets and screens are met at exact times.
+template <int Dim>
+class PathRecorder : public MotionSink<Dim> {
 public:
-    PathRecorder(const CampaignInput& input, std::int64_t block, double mass, BlockResult& result);
+    using Vec = typename Space<Dim>::Vec;
 
-    void segment(const MotionSegment<3>& motion) override;
+    void segment(const MotionSegment<Dim>& motion) override;
     /// The trajectory has ended.
     void finish() { span_speed_.finish(crossings_); }
 
@@ -24,25 +26,72 @@ public:
     const std::vector<ScreenCrossing>& crossings() const { return crossings_; }
     KeptTrajectory take_line() { return std::move(line_); }
 
-private:
-    void cross_cells(const MotionSegment<3>& m);
-    void enter_cell(const MotionSegment<3>& m, const Vec2& middle, double from, double to);
-    double largest_height(const MotionSegment<3>& m, double from, double to) const;
-    void cross_screens(const MotionSegment<3>& m);
-    void keep_line(const MotionSegment<3>& m);
+protected:
+    PathRecorder(const CampaignInput& input, std::int64_t block, double mass, BlockResult& result);
+
+    virtual void cross_cells(const MotionSegment<Dim>& m) = 0;
+    virtual void cross_screens(const MotionSegment<Dim>& m) = 0;
+    /// Largest height of the centre of mass above the ground between two shares of the segment.
+    virtual double largest_height(const MotionSegment<Dim>& m, double from, double to) const = 0;
+    virtual double ground(const Vec& position) const = 0;
+    /// Position or velocity on the map, for a place of the motion.
+    virtual Vec3 on_map(const Vec& position) const = 0;
+    virtual Vec3 velocity_on_map(const Vec& position, const Vec& velocity) const = 0;
+
+    void raise_cell(std::size_t cell, const MotionSegment<Dim>& m, double from, double to);
+    bool has_crossed(std::size_t screen) const { return crossed_[screen]; }
+    void add_crossing(std::size_t screen, const MotionSegment<Dim>& m, double share);
 
     const CampaignInput& input_;
+
+private:
+    void keep_line(const MotionSegment<Dim>& m);
+
     std::int64_t block_;
     double mass_;  ///< [kg]
     BlockResult& result_;
     std::unordered_map<std::size_t, CellValues> cells_;
     std::vector<ScreenCrossing> crossings_;
     std::vector<bool> crossed_;
-    std::vector<Box2> screen_boxes_;
-    SpanSpeed span_speed_;
-    std::vector<SpanSpeed::Fresh> fresh_;  ///< crossings in the segment at hand
+    SpanSpeed<Dim> span_speed_;
+    std::vector<typename SpanSpeed<Dim>::Fresh> fresh_;  ///< crossings in the segment at hand
     bool keep_ = false;
     KeptTrajectory line_;
+};
+
+/// On the map: cells of the result grid, screens as lines in plan.
+class MapRecorder final : public PathRecorder<3> {
+public:
+    MapRecorder(const CampaignInput& input, std::int64_t block, double mass, BlockResult& result);
+
+private:
+    void cross_cells(const MotionSegment<3>& m) override;
+    void cross_screens(const MotionSegment<3>& m) override;
+    double largest_height(const MotionSegment<3>& m, double from, double to) const override;
+    double ground(const Vec3& position) const override { return input_.surface->height(position.head<2>()); }
+    Vec3 on_map(const Vec3& position) const override { return position; }
+    Vec3 velocity_on_map(const Vec3&, const Vec3& velocity) const override { return velocity; }
+
+    std::vector<Box2> screen_boxes_;
+};
+
+/// Along a profile: cells of chainage, screens as chainages.
+class ProfileRecorder final : public PathRecorder<2> {
+public:
+    ProfileRecorder(const CampaignInput& input, const ProfileTrack& track, const GroundLine& ground, std::int64_t block,
+                    double mass, BlockResult& result);
+
+private:
+    void cross_cells(const MotionSegment<2>& m) override;
+    void cross_screens(const MotionSegment<2>& m) override;
+    double largest_height(const MotionSegment<2>& m, double from, double to) const override;
+    double ground(const Vec2& position) const override { return ground_.height(position.x()); }
+    Vec3 on_map(const Vec2& position) const override;
+    Vec3 velocity_on_map(const Vec2& position, const Vec2& velocity) const override;
+
+    const ProfileTrack& track_;
+    const GroundLine& ground_;
+    std::size_t cell_count_;
 };
 
 }  // namespace scree

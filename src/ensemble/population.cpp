@@ -31,29 +31,63 @@ double draw_volume(const BlockDistribution& d, RandomStream& random) {
     return d.volume;
 }
 
+/// How many bodies make the mean filling: known to 1 % then for random hulls [-].
+constexpr std::uint64_t kFillingSamples = 100;
+
+/// What is drawn before the shape.
+struct Measures {
+    std::int64_t row = -1;
+    Vec3 size = Vec3::Zero();  ///< of a list: L1, L2, L3; else their ratios to L1 [m]
+    double mass = 0.0;         ///< [kg]
+    double volume = 0.0;       ///< without a list [m^3]
+};
+
+Measures draw_measures(const BlockPopulation& population, std::uint64_t seed, std::uint64_t block) {
+    RandomStream random(seed, block, RandomPurpose::Block);
+    Measures m;
+    if (!population.list.empty()) {
+        const std::uint64_t rows = population.list.size();
+        m.row = static_cast<std::int64_t>(population.in_turn ? block % rows : random.below(rows));
+        const BlockRow& row = population.list[static_cast<std::size_t>(m.row)];
+        m.size = row.size;
+        m.mass = row.mass;
+        return m;
+    }
+    const BlockDistribution& d = population.distribution;
+    m.volume = draw_volume(d, random);
+    const double density = d.density + random.uniform(-1.0, 1.0) * d.density_spread;
+    const double r21 = random.uniform(d.ratio_21[0], d.ratio_21[1]), r32 = random.uniform(d.ratio_32[0], d.ratio_32[1]);
+    m.size = {1.0, r21, r21 * r32};
+    m.mass = density * m.volume;
+    return m;
+}
+
 }  // namespace
 
 PopulationBlock draw_block(const BlockPopulation& population, std::uint64_t seed, std::uint64_t block) {
-    RandomStream random(seed, block, RandomPurpose::Block);
     RandomStream shape_random(seed, block, RandomPurpose::Shape);
-    PopulationBlock result;
-    if (!population.list.empty()) {
-        const std::uint64_t rows = population.list.size();
-        result.row = static_cast<std::int64_t>(population.in_turn ? block % rows : random.below(rows));
-        const BlockRow& row = population.list[static_cast<std::size_t>(result.row)];
-        result.body = make_block(population.shape, row.size, row.mass, shape_random);
-        return result;
-    }
-    const BlockDistribution& d = population.distribution;
-    const double volume = draw_volume(d, random);
-    const double density = d.density + random.uniform(-1.0, 1.0) * d.density_spread;
-    const double r21 = random.uniform(d.ratio_21[0], d.ratio_21[1]), r32 = random.uniform(d.ratio_32[0], d.ratio_32[1]);
-    const Vec3 unit(1.0, r21, r21 * r32);
+    const Measures m = draw_measures(population, seed, block);
+    if (m.row >= 0) return {make_block(population.shape, m.size, m.mass, shape_random), m.row};
     // the same draw twice: once to learn how much of its box this shape fills, once in the right size
     RandomStream again = shape_random;
-    const double filled = make_block(population.shape, unit, 1.0, again).volume;
-    result.body = make_block(population.shape, unit * std::cbrt(volume / filled), density * volume, shape_random);
-    return result;
+    const double filled = make_block(population.shape, m.size, 1.0, again).volume;
+    return {make_block(population.shape, m.size * std::cbrt(m.volume / filled), m.mass, shape_random), -1};
+}
+
+PopulationPolygon draw_polygon(const BlockPopulation& population, std::uint64_t seed, std::uint64_t block) {
+    RandomStream shape_random(seed, block, RandomPurpose::Shape);
+    const Measures m = draw_measures(population, seed, block);
+    const Vec3 size = m.row >= 0 ? m.size : m.size * std::cbrt(m.volume / (population.filling * m.size.prod()));
+    return {make_polygon(population.shape, size, m.mass, shape_random), m.row};
+}
+
+double mean_filling(const ShapeSettings& shape) {
+    double sum = 0.0;
+    for (std::uint64_t k = 0; k < kFillingSamples; ++k) {
+        RandomStream random(0, k, RandomPurpose::Shape);
+        sum += make_block(shape, Vec3::Ones(), 1.0, random).volume;
+    }
+    return sum / static_cast<double>(kFillingSamples);
 }
 
 }  // namespace scree

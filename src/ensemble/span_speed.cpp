@@ -11,22 +11,17 @@ namespace {
 constexpr double kJump = 1e-9;
 constexpr int kBisections = 50;
 
-Vec3 velocity_at(const MotionSegment<3>& m, double s) {
-    return m.velocity_start + s * (m.velocity_end - m.velocity_start);
-}
-Vec3 position_at(const MotionSegment<3>& m, double s) {
-    return m.position + s * m.duration * (m.velocity_start + 0.5 * s * (m.velocity_end - m.velocity_start));
-}
-
 /// Length of the path up to the share s: Simpson over the speed in two halves.
-double length_to(const MotionSegment<3>& m, double s) {
+template <int Dim>
+double length_to(const MotionSegment<Dim>& m, double s) {
     const double v[5] = {m.velocity_start.norm(), velocity_at(m, 0.25 * s).norm(), velocity_at(m, 0.5 * s).norm(),
                          velocity_at(m, 0.75 * s).norm(), velocity_at(m, s).norm()};
     return s * m.duration / 12.0 * (v[0] + 4.0 * v[1] + 2.0 * v[2] + 4.0 * v[3] + v[4]);
 }
 
 /// Share of a segment at which the path has the given length.
-double share_at(const MotionSegment<3>& m, double length) {
+template <int Dim>
+double share_at(const MotionSegment<Dim>& m, double length) {
     double low = 0.0, high = 1.0;
     for (int k = 0; k < kBisections; ++k) {
         const double middle = 0.5 * (low + high);
@@ -35,17 +30,20 @@ double share_at(const MotionSegment<3>& m, double length) {
     return high;
 }
 
-bool jumps(const MotionSegment<3>& before, const MotionSegment<3>& after) {
+template <int Dim>
+bool jumps(const MotionSegment<Dim>& before, const MotionSegment<Dim>& after) {
     return (after.velocity_start - before.velocity_end).norm() > kJump * (1.0 + before.velocity_end.norm());
 }
 
-void set_mean_speed(ScreenCrossing& crossing, const Vec3& from, double since, const Vec3& to, double until) {
+template <class Vec>
+void set_mean_speed(ScreenCrossing& crossing, const Vec& from, double since, const Vec& to, double until) {
     if (until > since) crossing.measured_speed = (to - from).norm() / (until - since);
 }
 
 }  // namespace
 
-void SpanSpeed::begin(const Fresh& fresh, const std::vector<ScreenCrossing>& crossings) {
+template <int Dim>
+void SpanSpeed<Dim>::begin(const Fresh& fresh, const std::vector<ScreenCrossing>& crossings) {
     const Piece& newest = pieces_.back();
     const double here = newest.start + length_to(newest.motion, fresh.share);
     const double from = here - half_;
@@ -62,8 +60,9 @@ void SpanSpeed::begin(const Fresh& fresh, const std::vector<ScreenCrossing>& cro
     if (pending.time < crossings[fresh.crossing].time) pending_.push_back(pending);
 }
 
-void SpanSpeed::segment(const MotionSegment<3>& m, const std::vector<Fresh>& fresh,
-                        std::vector<ScreenCrossing>& crossings) {
+template <int Dim>
+void SpanSpeed<Dim>::segment(const MotionSegment<Dim>& m, const std::vector<Fresh>& fresh,
+                             std::vector<ScreenCrossing>& crossings) {
     if (half_ <= 0.0) return;
     const double start = pieces_.empty() ? 0.0 : pieces_.back().start + pieces_.back().length;
     const bool touches = m.in_contact || (!pieces_.empty() && jumps(pieces_.back().motion, m));
@@ -79,18 +78,23 @@ void SpanSpeed::segment(const MotionSegment<3>& m, const std::vector<Fresh>& fre
         if (p.until > end) return false;
         const double share = share_at(m, p.until - start);
         if (!p.free)
-            set_mean_speed(crossings[p.crossing], p.position, p.time, position_at(m, share),
+            set_mean_speed(crossings[p.crossing], p.position, p.time, Vec(position_at(m, share)),
                            m.start + share * m.duration);
         return true;
     });
 }
 
-void SpanSpeed::finish(std::vector<ScreenCrossing>& crossings) {
+template <int Dim>
+void SpanSpeed<Dim>::finish(std::vector<ScreenCrossing>& crossings) {
     for (const Pending& p : pending_) {
-        const MotionSegment<3>& last = pieces_.back().motion;
-        set_mean_speed(crossings[p.crossing], p.position, p.time, position_at(last, 1.0), last.start + last.duration);
+        const MotionSegment<Dim>& last = pieces_.back().motion;
+        set_mean_speed(crossings[p.crossing], p.position, p.time, Vec(position_at(last, 1.0)),
+                       last.start + last.duration);
     }
     pending_.clear();
 }
+
+template class SpanSpeed<2>;
+template class SpanSpeed<3>;
 
 }  // namespace scree

@@ -4,13 +4,18 @@
 #include "scree/dynamics/trajectory.hpp"
 #include "scree/ensemble/cell_statistics.hpp"
 #include "scree/ensemble/population.hpp"
+#include "scree/ensemble/profile_release.hpp"
 #include "scree/ensemble/release.hpp"
 #include "scree/geometry/feature.hpp"
+#include "scree/geometry/profile.hpp"
 #include "scree/geometry/region.hpp"
 
+#include <algorithm>
 #include <atomic>
+#include <cmath>
 #include <functional>
 #include <string>
+#include <variant>
 #include <vector>
 
 namespace scree {
@@ -33,6 +38,7 @@ struct ScreenCrossing {
     double height = 0.0;           ///< of the centre of mass above the terrain, vertically [m]
     double measured_speed =
         0.0;  ///< as a film measures it over CampaignInput::screen_span; that at the screen if it is 0 [m/s]
+    double s = kNaN;               ///< 2D: chainage along the block's profile [m]
 };
 
 /// An area whose deposits are counted.
@@ -52,7 +58,7 @@ struct KeptTrajectory {
 /// A contact problem that was left above the solver's tolerance.
 struct HardProblem {
     std::int64_t block = 0;
-    ContactProblem<3> problem;
+    std::variant<ContactProblem<3>, ContactProblem<2>> problem;
 };
 
 /// How one block fared.
@@ -70,18 +76,41 @@ struct BlockResult {
     double path_length = 0.0;     ///< length of the path in space [m]
     double largest_speed = 0.0;   ///< [m/s]
     double largest_energy = 0.0;  ///< kinetic [J]
+    std::int32_t profile = -1;    ///< 2D: index of the profile on which it moved
+    double release_s = kNaN;      ///< 2D: chainage at the start [m]
+    double stop_s = kNaN;         ///< 2D: chainage at the end [m]
 };
 
-/// Everything that a campaign needs. The surface outlives the campaign.
+/// A profile on which blocks move in 2D.
+struct ProfileTrack {
+    Profile profile;
+    /// Where a screen stands on it.
+    struct Mark {
+        std::int32_t screen = 0;  ///< index into the screens
+        double s = 0.0;           ///< chainage [m]
+    };
+    std::vector<Mark> marks;  ///< a screen may stand at several chainages: the first that a block passes counts
+};
+
+/// Cells of a length along a profile, counted from its upper end; the last may be shorter.
+inline std::size_t cells_along(const Profile& profile, double cell) {
+    return static_cast<std::size_t>(std::max(1.0, std::ceil(profile.length() / cell - 1e-9)));
+}
+
+/// Everything that a campaign needs. With `tracks` it runs in 2D on these profiles: positions of its results are then those on the map, of the places
+/// along the profiles. What is pointed to outlives the campaign.
 struct CampaignInput {
-    const Surface* surface = nullptr;
-    std::vector<Soil> soils;  ///< indexed by SoilId
+    const Surface* surface = nullptr;  ///< 3D
+    std::vector<Soil> soils;           ///< indexed by SoilId
     DynamicsSettings dynamics;
     BlockPopulation population;
     ReleaseSettings release;
-    const ReleaseArea* area = nullptr;
+    const ReleaseArea* area = nullptr;  ///< 3D
     std::uint64_t seed = 1;
-    GridShape result_cells;  ///< where passages are counted
+    GridShape result_cells;                           ///< 3D: where passages are counted
+    std::vector<ProfileTrack> tracks;                 ///< 2D: the profiles; empty: 3D
+    const ProfileRelease* profile_release = nullptr;  ///< 2D
+    double cell_along = 1.0;                          ///< 2D: length of the cells along a profile [m]
     std::vector<Screen> screens;
     double screen_span =
         0.0;  ///< length around a screen over which ScreenCrossing::measured_speed is a mean; 0: none [m]
@@ -99,10 +128,11 @@ struct CampaignResult {
     std::vector<BlockResult> blocks;           ///< one per block number
     std::vector<ScreenCrossing> crossings;     ///< by block, then screen
     std::vector<KeptTrajectory> trajectories;  ///< by block
-    CellMap cells;
-    std::vector<DepositCount> deposits;     ///< one per deposit zone
-    std::array<std::int64_t, 4> reasons{};  ///< blocks by StopReason
-    std::int64_t released = 0;              ///< blocks thrown: the sum of the reasons, always
+    CellMap cells;                             ///< 3D
+    std::vector<CellMap> cells_along;          ///< 2D: of each profile, by number of the cell along it
+    std::vector<DepositCount> deposits;        ///< one per deposit zone
+    std::array<std::int64_t, 4> reasons{};     ///< blocks by StopReason
+    std::int64_t released = 0;                 ///< blocks thrown: the sum of the reasons, always
     TrajectoryCounters counters;
     std::vector<HardProblem> hard_problems;  ///< by block, at most dynamics.kept_problems of each
     bool interrupted = false;

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "scree/geometry/convex_block.hpp"
+#include "scree/geometry/convex_polygon.hpp"
 
 #include <array>
 #include <cstdint>
@@ -44,6 +45,8 @@ struct BlockPopulation {
     bool in_turn = false;            ///< block i is row i mod n; else each block draws a row at random
     BlockDistribution distribution;  ///< used if the list is empty
     ShapeSettings shape;
+    double filling =
+        0.5;  ///< 2D without a list: share of its box that a block fills, from mean_filling(); smaller makes larger polygons [-]
 };
 
 /// A block of the campaign with the row that it came from.
@@ -54,5 +57,16 @@ struct PopulationBlock {
 
 /// Block number `block` of the campaign: depends on the population, the seed and the number only.
 PopulationBlock draw_block(const BlockPopulation& population, std::uint64_t seed, std::uint64_t block);
+
+/// The same in 2D: the polygon with the mass and the L1, L2 of the whole block.
+struct PopulationPolygon {
+    ConvexPolygon body;
+    std::int64_t row = -1;  ///< row of the list, -1 if drawn from the distributions [-]
+};
+PopulationPolygon draw_polygon(const BlockPopulation& population, std::uint64_t seed, std::uint64_t block);
+
+/// Share of its box L1 x L2 x L3 that a 3D body of this shape fills, the mean of some: with it a volume gives the same L1, L2, L3 in 2D as, in the
+/// mean, in 3D [-].
+double mean_filling(const ShapeSettings& shape);
 
 }  // namespace scree
