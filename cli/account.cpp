@@ -45,6 +45,7 @@ std::vector<gis::ProvenanceEntry> provenance(const SiteFile& site, const SiteMod
     p.push_back({"program", "scree " + version()});
     p.push_back({"site", site.settings.name});
     p.push_back({"seed", std::to_string(site.settings.seed)});
+    p.push_back({"dimension", model.in_plane() ? "2" : "3"});
     p.push_back({"released", std::to_string(result.released)});
     for (std::size_t k = 0; k < kStopReasonNames.size(); ++k)
         p.push_back({std::string("ended_") + kStopReasonNames[k], std::to_string(result.reasons[k])});

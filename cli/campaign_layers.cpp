@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "cli/campaign_layers.hpp"
 
+#include "cli/plane_layers.hpp"
+#include "cli/profile_layers.hpp"
+#include "cli/terrain_layers.hpp"
 #include "scree/base/units.hpp"
 
 #include <cmath>
@@ -13,8 +16,6 @@ namespace {
 
 using gis::Coordinates;
 using gis::RasterTheme;
-
-constexpr double kJoulePerKj = 1000.0;
 
 Field integer(std::string name, std::string alias) {
     return {std::move(name), FieldType::Integer, std::move(alias)};
@@ -31,8 +32,22 @@ FieldValue block_id(const SiteModel& model, const BlockResult& b) {
     return model.campaign.population.list[static_cast<std::size_t>(b.row)].id;
 }
 
-double plan_distance(const BlockResult& b) {
-    return (b.stop - b.release).head<2>().norm();
+/// Horizontal distance between release and end; in 2D along the profile.
+double runout(const BlockResult& b) {
+    return b.profile < 0 ? (b.stop - b.release).head<2>().norm() : b.stop_s - b.release_s;
+}
+
+/// In 2D: what says where on its profile a block was. Nothing in 3D.
+void add_plane_fields(const SiteModel& model, std::vector<Field>& fields, std::initializer_list<Field> chainages) {
+    if (!model.in_plane()) return;
+    fields.push_back(integer("profile", "Profile"));
+    fields.insert(fields.end(), chainages);
+}
+void add_plane_values(const SiteModel& model, const BlockResult& b, std::vector<FieldValue>& values,
+                      std::initializer_list<FieldValue> chainages) {
+    if (!model.in_plane()) return;
+    values.emplace_back(static_cast<std::int64_t>(b.profile) + 1);
+    values.insert(values.end(), chainages);
 }
 
 gis::VectorLayer stopping_points(const SiteModel& model, const CampaignResult& result) {
@@ -55,6 +70,8 @@ gis::VectorLayer stopping_points(const SiteModel& model, const CampaignResult& r
                          real("speed_max_ms", "Largest speed [m/s]"),
                          real("energy_max_kj", "Largest kinetic energy [kJ]"),
                          integer("release_feature", "Release feature")};
+    add_plane_fields(model, layer.data.fields,
+                     {real("s_m", "Chainage s [m]"), real("release_s_m", "s of the release [m]")});
     for (std::size_t k = 0; k < result.blocks.size(); ++k) {
         const BlockResult& b = result.blocks[k];
         if (!b.done) continue;
@@ -68,13 +85,14 @@ gis::VectorLayer stopping_points(const SiteModel& model, const CampaignResult& r
                     b.size.x(),
                     b.size.y(),
                     b.size.z(),
-                    plan_distance(b),
+                    runout(b),
                     b.release.z() - b.stop.z(),
                     b.path_length,
                     b.time,
                     b.largest_speed,
                     b.largest_energy / kJoulePerKj,
                     b.feature};
+        add_plane_values(model, b, f.values, {b.stop_s, b.release_s});
         layer.data.features.push_back(std::move(f));
     }
     return layer;
@@ -89,6 +107,7 @@ gis::VectorLayer release_points(const SiteModel& model, const CampaignResult& re
     layer.data.fields = {integer("block", "Block number"), text("block_id", "Block of the list"),
                          real("mass_kg", "Mass [kg]"), real("raised_m", "Lifted to start free of the ground [m]"),
                          integer("release_feature", "Release feature")};
+    add_plane_fields(model, layer.data.fields, {real("s_m", "Chainage s [m]")});
     layer.visible = false;
     for (std::size_t k = 0; k < result.blocks.size(); ++k) {
         const BlockResult& b = result.blocks[k];
@@ -97,6 +116,7 @@ gis::VectorLayer release_points(const SiteModel& model, const CampaignResult& re
         f.id = static_cast<std::int64_t>(k) + 1;
         f.geometry = Points{b.release};
         f.values = {static_cast<std::int64_t>(k), block_id(model, b), b.mass, b.raised, b.feature};
+        add_plane_values(model, b, f.values, {b.release_s});
         layer.data.features.push_back(std::move(f));
     }
     return layer;
@@ -116,16 +136,17 @@ gis::VectorLayer trajectories(const SiteModel& model, const CampaignResult& resu
                          real("speed_max_ms", "Largest speed [m/s]"),
                          real("energy_max_kj", "Largest kinetic energy [kJ]"),
                          real("runout_m", "Horizontal distance from release [m]")};
+    add_plane_fields(model, layer.data.fields, {});
     for (const KeptTrajectory& t : result.trajectories) {
         if (t.points.size() < 2) continue;
         const BlockResult& b = result.blocks[static_cast<std::size_t>(t.block)];
         Feature f;
         f.id = t.block + 1;
         f.geometry = Polylines{Polyline{t.points, t.times}};
-        f.values = {
-            t.block,         block_id(model, b), std::string(kStopReasonNames[static_cast<std::size_t>(b.reason)]),
-            b.mass,          b.largest_speed,    b.largest_energy / kJoulePerKj,
-            plan_distance(b)};
+        f.values = {t.block,  block_id(model, b), std::string(kStopReasonNames[static_cast<std::size_t>(b.reason)]),
+                    b.mass,   b.largest_speed,    b.largest_energy / kJoulePerKj,
+                    runout(b)};
+        add_plane_values(model, b, f.values, {});
         layer.data.features.push_back(std::move(f));
     }
     return layer;
@@ -147,6 +168,7 @@ gis::VectorLayer screen_crossings(const SiteModel& model, const CampaignResult& 
                          real("energy_kj", "Kinetic energy [kJ]"),
                          real("time_s", "Time since release [s]"),
                          real("azimuth_deg", "Direction of motion [deg]")};
+    add_plane_fields(model, layer.data.fields, {real("s_m", "Chainage s [m]")});
     std::int64_t id = 0;
     for (const ScreenCrossing& c : result.crossings) {
         const BlockResult& b = result.blocks[static_cast<std::size_t>(c.block)];
@@ -164,6 +186,7 @@ gis::VectorLayer screen_crossings(const SiteModel& model, const CampaignResult& 
                     c.energy / kJoulePerKj,
                     c.time,
                     azimuth < 0.0 ? azimuth + 360.0 : azimuth};
+        add_plane_values(model, b, f.values, {c.s});
         layer.data.features.push_back(std::move(f));
     }
     return layer;
@@ -177,6 +200,12 @@ gis::VectorLayer deposit_zones(const SiteModel& model, const CampaignResult& res
     layer.coordinates = Coordinates::XY;
     layer.data.name = "deposit_zones";
     layer.data.kind = GeometryKind::Polygon;
+    if (model.in_plane()) {
+        layer.description =
+            "Stretches of the profiles in each zone: blocks at rest in it, their share of all blocks thrown, and the "
+            "95 % interval of that share (Wilson)";
+        layer.data.kind = GeometryKind::LineString;
+    }
     layer.data.fields = {text("name", "Zone"),
                          integer("count", "Blocks at rest"),
                          integer("released", "Blocks thrown"),
@@ -188,6 +217,7 @@ gis::VectorLayer deposit_zones(const SiteModel& model, const CampaignResult& res
         Feature f;
         f.id = static_cast<std::int64_t>(z) + 1;
         f.geometry = model.deposit_zones->layer.features[z].geometry;
+        if (model.in_plane()) f.geometry = stretches_in(model, std::get<MultiPolygon>(f.geometry));
         const double share = result.released > 0
                                  ? static_cast<double>(result.deposits[z].count) / static_cast<double>(result.released)
                                  : 0.0;
@@ -201,26 +231,6 @@ gis::VectorLayer deposit_zones(const SiteModel& model, const CampaignResult& res
     }
     return layer;
 }
-
-/// A quantity of the cells with its name, unit and factor from SI.
-struct QuantityInfo {
-    CellQuantity quantity;
-    const char* name;
-    const char* title;
-    const char* unit;
-    const char* definition;
-    double factor;  ///< from SI to the unit [*]
-    RasterTheme theme;
-};
-constexpr QuantityInfo kQuantities[] = {
-    {CellQuantity::KineticEnergy, "energy_kj", "Kinetic energy", "kJ", "kinetic energy, translation and rotation",
-     1.0 / kJoulePerKj, RasterTheme::Energy},
-    {CellQuantity::PassingHeight, "height_m", "Passing height", "m",
-     "height of the centre of mass above the terrain, vertically", 1.0, RasterTheme::Height},
-    {CellQuantity::Speed, "speed_ms", "Speed", "m/s", "speed of the centre of mass", 1.0, RasterTheme::Speed},
-    {CellQuantity::Spin, "spin_rads", "Spin", "rad/s", "angular speed", 1.0, RasterTheme::Spin},
-};
-constexpr int kPercents[] = {50, 90, 95, 98, 99};
 
 template <class Value>
 gis::RasterLayer raster(const SiteModel& model, const CampaignResult& result, Value value) {
@@ -276,15 +286,21 @@ std::vector<gis::VectorLayer> campaign_vectors(const SiteModel& model, const Cam
     layers.push_back(release_points(model, result));
     if (!model.campaign.screens.empty()) {
         layers.push_back(screen_crossings(model, result));
-        layers.push_back(input_layer(*model.screens, "screens", "Screens", ""));
+        if (model.screens) layers.push_back(input_layer(*model.screens, "screens", "Screens", ""));
     }
     if (model.campaign.kept_trajectories > 0) layers.push_back(trajectories(model, result));
     if (!model.campaign.deposit_zones.empty()) layers.push_back(deposit_zones(model, result));
+    if (model.in_plane()) {
+        layers.push_back(curves_layer(model, result));
+        for (gis::VectorLayer& layer : profile_layers(*model.profiles, model.terrain))
+            layers.push_back(std::move(layer));
+    }
     layers.push_back(input_layer(model.release, "release_zones", "Release zones", ""));
     return layers;
 }
 
 std::vector<gis::RasterLayer> campaign_rasters(const SiteModel& model, const CampaignResult& result) {
+    if (model.in_plane()) return {heights_layer(model.terrain)};
     std::vector<gis::RasterLayer> layers;
     const double released = static_cast<double>(std::max<std::int64_t>(result.released, 1));
     add_count(layers, model, result, "reach_probability", "Reach probability",
@@ -310,9 +326,7 @@ std::vector<gis::RasterLayer> campaign_rasters(const SiteModel& model, const Cam
             layer.theme = q.theme;
             layers.push_back(std::move(layer));
         };
-        add("mean", "mean", [](const QuantityStatistics& s, std::int64_t n) {
-            return 1e-4 * static_cast<double>(s.sum) / static_cast<double>(n);
-        });
+        add("mean", "mean", [](const QuantityStatistics& s, std::int64_t n) { return mean_of(s, n); });
         for (const int percent : kPercents)
             add("p" + std::to_string(percent), std::to_string(percent) + " % quantile",
                 [percent](const QuantityStatistics& s, std::int64_t) { return s.histogram.quantile(0.01 * percent); });

@@ -10,6 +10,34 @@
 
 namespace scree::cli {
 
+inline constexpr double kJoulePerKj = 1000.0;
+
+/// A quantity of the cells with its name, unit and factor from SI.
+struct QuantityInfo {
+    CellQuantity quantity;
+    const char* name;
+    const char* title;
+    const char* unit;
+    const char* definition;
+    double factor;  ///< from SI to the unit [*]
+    gis::RasterTheme theme;
+};
+inline constexpr QuantityInfo kQuantities[] = {
+    {CellQuantity::KineticEnergy, "energy_kj", "Kinetic energy", "kJ", "kinetic energy, translation and rotation",
+     1.0 / kJoulePerKj, gis::RasterTheme::Energy},
+    {CellQuantity::PassingHeight, "height_m", "Passing height", "m",
+     "height of the centre of mass above the terrain, vertically", 1.0, gis::RasterTheme::Height},
+    {CellQuantity::Speed, "speed_ms", "Speed", "m/s", "speed of the centre of mass", 1.0, gis::RasterTheme::Speed},
+    {CellQuantity::Spin, "spin_rads", "Spin", "rad/s", "angular speed", 1.0, gis::RasterTheme::Spin},
+};
+/// Quantiles that are written [%].
+inline constexpr int kPercents[] = {50, 90, 95, 98, 99};
+
+/// Mean of a quantity over so many passages.
+inline double mean_of(const QuantityStatistics& s, std::int64_t passages) {
+    return 1e-4 * static_cast<double>(s.sum) / static_cast<double>(passages);
+}
+
 /// The results of a campaign as layers (DESIGN: results.gpkg), ready to be written.
 std::vector<gis::VectorLayer> campaign_vectors(const SiteModel& model, const CampaignResult& result);
 std::vector<gis::RasterLayer> campaign_rasters(const SiteModel& model, const CampaignResult& result);

@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "cli/commands.hpp"
+#include "cli/profile_layers.hpp"
 #include "cli/site_model.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <iomanip>
 #include <ostream>
+#include <span>
 #include <sstream>
 
 namespace scree::cli {
@@ -88,6 +90,42 @@ void print_unread_fields(std::ostream& out, const FeatureLayer& layer) {
     if (!names.empty()) out << "               fields that are not read: " << names << " (blocks come from [blocks])\n";
 }
 
+/// Height of the centre of mass of block `key` at its start.
+double height_of_release(const CampaignInput& c, std::span<const GroundLine> grounds, std::uint64_t key,
+                         double& raised) {
+    if (!c.tracks.empty()) {
+        const ProfileRelease::Place place = c.profile_release->draw(c.seed, key);
+        const PopulationPolygon block = draw_polygon(c.population, c.seed, key);
+        return draw_release(c.release, place.s, grounds[place.profile], block.body, c.seed, key, raised).position.y();
+    }
+    std::int64_t feature = 0;
+    const PopulationBlock block = draw_block(c.population, c.seed, key);
+    return draw_release(c.release, *c.area, *c.surface, block.body, c.seed, key, feature, raised).position.z();
+}
+
+/// The profiles of a 2D model, with what stands along them.
+void print_profiles(std::ostream& out, const SiteModel& m) {
+    const std::size_t shown = std::min<std::size_t>(m.campaign.tracks.size(), 20);
+    for (std::size_t k = 0; k < shown; ++k) {
+        const ProfileTrack& track = m.campaign.tracks[k];
+        const ProfileFacts facts = facts_of(m.profiles->traces[k], m.campaign.soils.size());
+        std::string head = "profile " + std::to_string(k + 1);
+        head.resize(std::max<std::size_t>(head.size() + 1, 15), ' ');
+        out << head << profile_words(m.profiles->traces[k], facts)
+            << (m.profile_release->used()[k] ? "" : "; no block starts on it") << "\n";
+        for (const ProfileTrack::Mark& mark : track.marks)
+            out << "               screen " << m.campaign.screens[static_cast<std::size_t>(mark.screen)].name
+                << " at s = " << fixed(mark.s, 1) << " m\n";
+        for (std::size_t z = 0; z < m.campaign.deposit_zones.size(); ++z)
+            for (const Profile::Stretch& s :
+                 track.profile.inside(std::get<MultiPolygon>(m.deposit_zones->layer.features[z].geometry)))
+                out << "               deposit zone " << m.campaign.deposit_zones[z].name
+                    << " from s = " << fixed(s.from, 1) << " to " << fixed(s.to, 1) << " m\n";
+    }
+    if (m.campaign.tracks.size() > shown)
+        out << "               ... " << m.campaign.tracks.size() - shown << " more profiles\n";
+}
+
 /// What the first blocks would start with: heights over the ground and how many had to be lifted.
 void print_release(std::ostream& out, const SiteModel& m) {
     const CampaignInput& c = m.campaign;
@@ -95,18 +133,17 @@ void print_release(std::ostream& out, const SiteModel& m) {
         << (c.release.count == 1 ? " block from " : " blocks from ") << c.release.height << " m above the ground\n";
     print_unread_fields(out, m.release.layer);
     const std::int64_t tried = std::min<std::int64_t>(c.release.count, 200);
+    std::vector<GroundLine> grounds;
+    for (const ProfileTrack& track : c.tracks) grounds.emplace_back(track.profile);
     std::int64_t lifted = 0;
     double most = 0.0, low = kInfinity, high = -kInfinity;
     for (std::int64_t k = 0; k < tried; ++k) {
-        std::int64_t feature = 0;
         double raised = 0.0;
-        const PopulationBlock block = draw_block(c.population, c.seed, static_cast<std::uint64_t>(k));
-        const BlockState<3> state = draw_release(c.release, *c.area, *c.surface, block.body, c.seed,
-                                                 static_cast<std::uint64_t>(k), feature, raised);
+        const double height = height_of_release(c, grounds, static_cast<std::uint64_t>(k), raised);
         lifted += raised > 0.0 ? 1 : 0;
         most = std::max(most, raised);
-        low = std::min(low, state.position.z());
-        high = std::max(high, state.position.z());
+        low = std::min(low, height);
+        high = std::max(high, height);
     }
     out << (tried == 1 ? std::string("               it starts")
                        : "               the first " + std::to_string(tried) + " start")
@@ -130,6 +167,7 @@ ExitCode run_check(const Context& context) {
     print_terrain(out, model.terrain);
     if (model.terrain.data.zones) out << "zones          " << report_text(*model.terrain.data.zones) << "\n";
     if (model.terrain.data.breaklines) out << "breaklines     " << report_text(*model.terrain.data.breaklines) << "\n";
+    if (model.in_plane()) print_profiles(out, model);
     print_blocks(out, model);
     print_release(out, model);
     if (model.screens) out << "screens        " << layer_text(*model.screens) << "\n";

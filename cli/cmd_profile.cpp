@@ -58,32 +58,6 @@ std::vector<gis::DrawnArea> areas_of(const gis::VectorData& data, const std::str
     return areas;
 }
 
-std::string end_words(ProfileEnd end) {
-    switch (end) {
-        case ProfileEnd::Pit:
-            return "in a pit or at a counter-slope";
-        case ProfileEnd::Flat:
-            return "on gentle ground";
-        case ProfileEnd::Rim:
-            return "at the rim of the terrain";
-        case ProfileEnd::NoData:
-            return "at a hole in the terrain";
-        case ProfileEnd::LengthLimit:
-            return "at the length limit";
-        case ProfileEnd::LineEnd:
-            return "with the given line";
-        case ProfileEnd::Merged:
-            break;
-    }
-    return "in another profile";
-}
-
-std::string facts_words(const ProfileTrace& trace, const ProfileFacts& facts) {
-    return fixed(trace.profile.length(), 1) + " m long, falls " + fixed(facts.fall, 1) +
-           " m to s = " + fixed(facts.lowest_s, 1) + " m, ends " + end_words(trace.end) + " (" +
-           kProfileEndNames[static_cast<std::size_t>(trace.end)] + ")";
-}
-
 gis::ProfileScene scene_of(const SiteFile& site, const SiteTerrain& terrain, const SiteProfiles& profiles,
                            const Surroundings& around) {
     gis::ProfileScene scene;
@@ -95,7 +69,7 @@ gis::ProfileScene scene_of(const SiteFile& site, const SiteTerrain& terrain, con
         const ProfileTrace& trace = profiles.traces[k];
         gis::DrawnProfile drawn;
         drawn.name = std::to_string(k + 1);
-        drawn.facts = facts_words(trace, facts_of(trace, scene.soils.size()));
+        drawn.facts = profile_words(trace, facts_of(trace, scene.soils.size()));
         drawn.profile = &trace.profile;
         for (const Course course : trace.course) drawn.straight.push_back(course == Course::Straight);
         drawn.start = trace.start;
@@ -113,7 +87,7 @@ void print_profile(std::ostream& out, const SiteTerrain& terrain, const ProfileT
     const ProfileFacts facts = facts_of(trace, soils.size());
     std::string head = "profile " + std::to_string(number + 1);
     head.resize(std::max<std::size_t>(head.size() + 1, 15), ' ');
-    out << head << facts_words(trace, facts) << "\n               ";
+    out << head << profile_words(trace, facts) << "\n               ";
     std::string list;
     for (std::size_t k = 0; k < soils.size(); ++k)
         if (facts.soil_length[k] > 0.0)

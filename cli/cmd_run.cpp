@@ -2,6 +2,7 @@
 #include "cli/account.hpp"
 #include "cli/campaign_layers.hpp"
 #include "cli/commands.hpp"
+#include "cli/plane_layers.hpp"
 #include "cli/progress.hpp"
 #include "cli/site_model.hpp"
 #include "gis/results_writer.hpp"
@@ -36,6 +37,18 @@ double quantile(std::vector<double>& sorted, double q) {
     return sorted[std::min(sorted.size() - 1, static_cast<std::size_t>(q * static_cast<double>(sorted.size())))];
 }
 
+void print_profiles(std::ostream& out, const SiteModel& model, const CampaignResult& r) {
+    constexpr std::size_t kMostPrinted = 20;
+    const std::vector<std::string> lines = profile_summaries(model, r);
+    for (std::size_t k = 0; k < std::min(lines.size(), kMostPrinted); ++k) {
+        std::string head = "profile " + std::to_string(k + 1);
+        head.resize(std::max<std::size_t>(head.size() + 1, 15), ' ');
+        out << head << lines[k] << "\n";
+    }
+    if (lines.size() > kMostPrinted)
+        out << "               ... " << lines.size() - kMostPrinted << " more are in the layer profiles\n";
+}
+
 void print_summary(std::ostream& out, const SiteModel& model, const CampaignResult& r, const fs::path& folder) {
     out << r.released << " blocks thrown:";
     for (std::size_t k = 0; k < kStopReasonNames.size(); ++k)
@@ -43,12 +56,14 @@ void print_summary(std::ostream& out, const SiteModel& model, const CampaignResu
     out << "\n";
     std::vector<double> runout;
     for (const BlockResult& b : r.blocks)
-        if (b.done && b.reason == StopReason::AtRest) runout.push_back((b.stop - b.release).head<2>().norm());
+        if (b.done && b.reason == StopReason::AtRest)
+            runout.push_back(model.in_plane() ? b.stop_s - b.release_s : (b.stop - b.release).head<2>().norm());
     std::sort(runout.begin(), runout.end());
     if (!runout.empty())
         out << "runout         median " << short_number(quantile(runout, 0.5)) << " m, 95 % quantile "
             << short_number(quantile(runout, 0.95)) << " m, largest " << short_number(runout.back())
-            << " m (blocks at rest)\n";
+            << " m (blocks at rest" << (model.in_plane() ? ", along the profile" : "") << ")\n";
+    if (model.in_plane()) print_profiles(out, model, r);
     std::vector<std::string> seen;
     for (const Screen& screen : model.campaign.screens) {
         if (std::find(seen.begin(), seen.end(), screen.name) != seen.end()) continue;
@@ -75,7 +90,9 @@ void print_summary(std::ostream& out, const SiteModel& model, const CampaignResu
             << short_number(100.0 * low) << " to " << short_number(100.0 * high) << " %)\n";
     }
     out << "results        " << (folder / "results.qgs").string() << " (open it in QGIS)\n"
-        << "               beside it: results.gpkg (all layers), rasters (GeoTIFFs), run.toml (reproduces the run)\n";
+        << "               beside it: results.gpkg (all layers), "
+        << (model.in_plane() ? "profile_curves.csv, profile_*.svg (pictures)" : "rasters (GeoTIFFs)")
+        << ", run.toml (reproduces the run)\n";
 }
 
 }  // namespace
@@ -106,6 +123,7 @@ ExitCode run_run(const Context& context) {
     package.rasters = campaign_rasters(model, result);
     package.provenance = provenance(site, model, result);
     package.files.push_back({"run.toml", reproducing_toml(site, result, folder, "scree run run.toml")});
+    if (model.in_plane()) package.files.push_back({"profile_curves.csv", curves_csv(model, result)});
     add_hard_problems(result, static_cast<std::size_t>(site.settings.contact_problems), package);
     gis::write_results(folder, package, context.overwrite);
 

@@ -115,6 +115,26 @@ gis::VectorLayer reaches(const SiteProfiles& profiles, const SiteTerrain& terrai
     return layer;
 }
 
+std::string end_words(ProfileEnd end) {
+    switch (end) {
+        case ProfileEnd::Pit:
+            return "in a pit or at a counter-slope";
+        case ProfileEnd::Flat:
+            return "on gentle ground";
+        case ProfileEnd::Rim:
+            return "at the rim of the terrain";
+        case ProfileEnd::NoData:
+            return "at a hole in the terrain";
+        case ProfileEnd::LengthLimit:
+            return "at the length limit";
+        case ProfileEnd::LineEnd:
+            return "with the given line";
+        case ProfileEnd::Merged:
+            break;
+    }
+    return "in another profile";
+}
+
 }  // namespace
 
 ProfileFacts facts_of(const ProfileTrace& trace, std::size_t soils) {
@@ -133,6 +153,12 @@ ProfileFacts facts_of(const ProfileTrace& trace, std::size_t soils) {
         facts.lowest_s = p.s[k + 1];
     }
     return facts;
+}
+
+std::string profile_words(const ProfileTrace& trace, const ProfileFacts& facts) {
+    return gis::fixed(trace.profile.length(), 1) + " m long, falls " + gis::fixed(facts.fall, 1) +
+           " m to s = " + gis::fixed(facts.lowest_s, 1) + " m, ends " + end_words(trace.end) + " (" +
+           kProfileEndNames[static_cast<std::size_t>(trace.end)] + ")";
 }
 
 std::vector<gis::VectorLayer> profile_layers(const SiteProfiles& profiles, const SiteTerrain& terrain) {

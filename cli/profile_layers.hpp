@@ -18,6 +18,9 @@ struct ProfileFacts {
 };
 ProfileFacts facts_of(const ProfileTrace& trace, std::size_t soils);
 
+/// "120.3 m long, falls 45.1 m to s = 101.0 m, ends on gentle ground (flat)"
+std::string profile_words(const ProfileTrace& trace, const ProfileFacts& facts);
+
 /// The layers `profiles` (one line each) and `profile_reaches` (one line for each stretch of one soil and course).
 std::vector<gis::VectorLayer> profile_layers(const SiteProfiles& profiles, const SiteTerrain& terrain);
 

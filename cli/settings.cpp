@@ -224,15 +224,21 @@ void add_blocks(std::vector<Setting<SiteSettings>>& keys) {
     keys.push_back(blocks.choice(
         "shape", kBlockShapeNames, AT(shape),
         "hull: random convex body that fills the box L1 x L2 x L3. sharp, round: the same with 10, 40 corners. box, "
-        "eota: the box, the same with cut edges. ellipsoid. file: given points. Rounder runs farther."));
+        "eota: the box, the same with cut edges. ellipsoid. file: given points. In 2D the same as polygons in the "
+        "rectangle "
+        "L1 x L2. Rounder runs farther."));
     keys.push_back(blocks.integer(
         "points", {4, 2000}, AT(points),
         "Mean number of corners of hull (ellipsoid: the number). More makes rounder blocks, which run farther."));
+    keys.push_back(blocks.integer("polygon_points", {3, 100}, AT(polygon_points),
+                                  "The same in 2D: mean number of corners of hull (ellipsoid: the number)."));
     keys.push_back(
         blocks.path("shape_file", AT(shape_file),
                     "Points of the shape \"file\": text with x y z per line, OBJ or STL; stretched to L1 x L2 x L3."));
-    keys.push_back(blocks.choice("volume_law", kVolumeLawNames, AT(distribution.law),
-                                 "How volumes are spread when there is no list."));
+    keys.push_back(
+        blocks.choice("volume_law", kVolumeLawNames, AT(distribution.law),
+                      "How volumes are spread when there is no list. In 2D a volume gives the L1, L2 that a 3D "
+                      "block of it has in the mean."));
     keys.push_back(blocks.number("volume", "m3", kPositive, AT(distribution.volume),
                                  "constant: the volume of every block. log_normal: the median."));
     keys.push_back(blocks.number("volume_min", "m3", kPositive, AT(distribution.volume_min),
@@ -262,23 +268,33 @@ void add_release(std::vector<Setting<SiteSettings>>& keys) {
     keys.push_back(release.choice(
         "pattern", kReleasePatternNames, AT(releases.pattern),
         "random: positions uniform over polygons (by area), lines (by length), points; where features overlap, each "
-        "sends its share. cells: one block after the other from the centres of the model's cells in the polygons."));
+        "sends its share. cells: one block after the other from the centres of the model's cells in the polygons. In "
+        "2D the "
+        "blocks of a feature start where profiles meet it: on their stretches inside a polygon (cells: the cells along "
+        "them), where "
+        "they cross a line, at the foot of a point."));
     keys.push_back(release.number("height", "m", {0, 1000}, AT(releases.height),
                                   "Of the centre of mass above the ground, vertically. A block that would touch the "
                                   "ground is lifted until it is free."));
     keys.push_back(release.number("height_spread", "m", {0, 1000}, AT(releases.height_spread),
                                   "Half width of a uniform spread of the height."));
     keys.push_back(release.number("speed", "m/s", {0, 100}, AT(releases.speed), "Initial speed."));
-    keys.push_back(release.number("azimuth_deg", "deg", {-360, 360}, AT(azimuth_deg),
-                                  "Direction of the initial speed in plan view, clockwise from north."));
+    keys.push_back(
+        release.number("azimuth_deg", "deg", {-360, 360}, AT(azimuth_deg),
+                       "Direction of the initial speed in plan view, clockwise from north. In 2D the speed points "
+                       "down along the profile."));
     keys.push_back(release.number("elevation_deg", "deg", {-90, 90}, AT(elevation_deg),
                                   "Angle of the initial speed above the horizontal."));
-    keys.push_back(release.number("spin", "rad/s", {0, 200}, AT(releases.spin), "Initial spin about a random axis."));
+    keys.push_back(release.number("spin", "rad/s", {0, 200}, AT(releases.spin),
+                                  "Initial spin about a random axis; in 2D in a random sense."));
 }
 
 void add_model(std::vector<Setting<SiteSettings>>& keys) {
     const Row<SiteSettings> model{"model"};
-    keys.push_back(model.integer("dimension", {3, 3}, AT(dimension), "3: blocks in space."));
+    keys.push_back(model.integer(
+        "dimension", {2, 3}, AT(dimension),
+        "3: blocks in space. 2: polygons on the profiles of [profile], much faster; they cannot leave the "
+        "line nor slow down by spreading."));
     keys.push_back(model.choice("mode", kSteppingModeNames, AT(dynamics.mode),
                                 "event: steps end where a contact closes; use it. moreau_jean: the scheme of Bourrier "
                                 "& Acary 2022, to compare with them, with time_step = 1e-3."));
@@ -363,6 +379,8 @@ void add_profile(std::vector<Setting<SiteSettings>>& keys) {
                        "junction: merged. drop: it is left out if more than half of it is shared. All are reported."));
     keys.push_back(profile.number("merge_distance", "m", {1e-3, 1000}, AT(profile_merge_distance),
                                   "Lines this near to each other run together."));
+    keys.push_back(profile.number("release_distance", "m", {0, 1000}, AT(profile_release_distance),
+                                  "2D: release points and lines farther than this from every profile send no blocks."));
     keys.push_back(profile.integer("pictures", {0, 1000}, AT(profile_pictures),
                                    "How many of the first profiles to draw, one picture each."));
 }
@@ -374,6 +392,9 @@ void add_screens(std::vector<Setting<SiteSettings>>& keys) {
         "Evaluation screens: lines, or polygons whose outline counts. The first crossing of each block is recorded."));
     keys.push_back(screens.text("layer", AT(screens.layer), "Layer of that file; empty if it has only one."));
     keys.push_back(screens.text("field", AT(screens.field), "Text field with the screen's name."));
+    keys.push_back(
+        screens.text("chainages", AT(screen_chainages),
+                     "2D: more screens, by their chainage in m on every profile: \"ES1 = 39.5, ES2 = 48.5\"."));
     keys.push_back(
         deposits.path("file", AT(deposit_zones.file), "Polygons in which blocks that came to rest are counted."));
     keys.push_back(deposits.text("layer", AT(deposit_zones.layer), "Layer of that file; empty if it has only one."));
@@ -388,8 +409,9 @@ void add_output(std::vector<Setting<SiteSettings>>& keys) {
     keys.push_back(output.integer("contact_problems", {0, 1e6}, AT(contact_problems),
                                   "How many of the contact problems above solver_tolerance to keep as text files in "
                                   "contact_problem_BLOCK_NUMBER.txt, for whoever wants to look into them."));
-    keys.push_back(output.number("resolution", "m", kNotNegative, AT(result_resolution),
-                                 "Cell of the result rasters; 0 takes the model's cells."));
+    keys.push_back(
+        output.number("resolution", "m", kNotNegative, AT(result_resolution),
+                      "Cell of the result rasters, in 2D of the curves along the profiles; 0 takes the model's."));
 }
 
 void add_observed(std::vector<Setting<SiteSettings>>& keys) {
@@ -490,7 +512,7 @@ std::string section_help(const std::string& section) {
     if (section == "model")
         return "The mechanics. Change with care: the defaults are those at which the statistics have converged.";
     if (section == "profile")
-        return "Profiles of the terrain along lines of steepest slope: `scree profile`, the ground of a 2D model.";
+        return "Profiles of the terrain along lines of steepest slope: `scree profile`, the ground of the 2D model.";
     if (section == "screens") return "Where passing blocks are measured.";
     if (section == "deposit_zones") return "Where stopped blocks are counted.";
     if (section == "observed") return "How a field test measured, and how `scree compare` holds the model against it.";

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "cli/site_model.hpp"
 
+#include "cli/plane_model.hpp"
 #include "gis/table_reader.hpp"
 #include "scree/base/error.hpp"
 #include "scree/base/units.hpp"
@@ -15,17 +16,6 @@ namespace {
 
 void append(std::vector<std::string>& to, const std::vector<std::string>& from) {
     to.insert(to.end(), from.begin(), from.end());
-}
-
-gis::SoilZoneSettings zone_settings(const SiteSettings& s) {
-    gis::SoilZoneSettings zones;
-    zones.field = s.zones.field;
-    zones.priority_field = s.priority_field;
-    for (std::size_t k = 0; k < s.soils.size(); ++k) {
-        zones.soils.push_back(s.soils[k].name);
-        if (s.soils[k].name == s.default_soil) zones.default_soil = static_cast<SoilId>(k);
-    }
-    return zones;
 }
 
 std::vector<DepositZone> make_deposit_zones(const gis::VectorData& data, const std::string& field) {
@@ -43,6 +33,7 @@ BlockPopulation make_population(const SiteFile& site, SiteModel& model) {
     population.distribution = s.distribution;
     population.shape.shape = s.shape;
     population.shape.points = s.points;
+    population.shape.polygon_points = s.polygon_points;
     if (s.shape == BlockShape::File) {
         population.shape.file_points = read_shape_points(site.resolve(s.shape_file));
         model.inputs.push_back(site.resolve(s.shape_file).string());
@@ -92,45 +83,29 @@ std::vector<Screen> make_screens(const gis::VectorData& data, const std::string&
     return screens;
 }
 
-SiteTerrain load_terrain(const SiteFile& site) {
+/// Where blocks start in 3D.
+void add_release_area(const SiteFile& site, SiteModel& model) {
     const SiteSettings& s = site.settings;
-    gis::TerrainSource source;
-    source.dtm = site.resolve(s.dtm).string();
-    source.resolution = s.resolution;
-    source.surface = s.surface == SurfaceKind::Grid ? gis::Surface::Grid : gis::Surface::Tin;
-    source.tolerance = s.tolerance;
-    source.conforming = s.conforming;
-    if (!s.zones.file.empty()) source.zones_file = site.resolve(s.zones.file).string();
-    source.zones_layer = s.zones.layer;
-    source.zones = zone_settings(s);
-    if (!s.breaklines.file.empty()) source.breaklines_file = site.resolve(s.breaklines.file).string();
-    source.breaklines_layer = s.breaklines.layer;
-
-    SiteTerrain terrain;
-    terrain.data = gis::read_terrain(source);
-    std::ostringstream words;
-    if (terrain.data.mesh) {
-        terrain.surface = make_mesh_surface(std::move(*terrain.data.mesh));
-        words << terrain.surface->facet_count() << " facets of a triangulated mesh";
-        if (terrain.data.triangulation)
-            words << "; heights differ from the grid by " << terrain.data.triangulation->rms_error << " m (rms), "
-                  << terrain.data.triangulation->max_error << " m (largest)";
-    } else {
-        terrain.surface = make_grid_surface(terrain.data.grid, std::move(terrain.data.grid_soil));
-        words << terrain.surface->facet_count() << " facets, two a cell";
+    try {
+        model.area = std::make_unique<ReleaseArea>(model.release.layer, *model.terrain.surface, s.releases.pattern,
+                                                   model.terrain.data.grid.shape);
+    } catch (const InputError& e) {
+        throw InputError(model.release.report.file + ": " + e.what() + " (the terrain is " +
+                         model.terrain.data.dtm.file + ")");  // the core knows no files
     }
-    terrain.surface_report = words.str();
-    return terrain;
-}
-
-gis::VectorData read_site_layer(const SiteFile& site, const VectorInput& input, const char* purpose,
-                                std::vector<GeometryKind> kinds, const SiteTerrain& terrain) {
-    gis::VectorSource source;
-    source.file = site.resolve(input.file).string();
-    source.layer = input.layer;
-    source.kinds = std::move(kinds);
-    source.purpose = purpose;
-    return gis::read_vector(source, terrain.data.frame, terrain.data.grid.shape.bounds());
+    if (model.area->inside_share() < 0.999) {
+        const int percent = static_cast<int>(std::lround(100.0 * (1.0 - model.area->inside_share())));
+        model.warnings.push_back(s.release.file + ": about " + std::to_string(percent) +
+                                 " % of the release features lie off the terrain; blocks start on the rest only");
+    }
+    model.campaign.surface = model.terrain.surface.get();
+    model.campaign.area = model.area.get();
+    model.campaign.result_cells = result_cells(model.terrain.data.grid.shape, s.result_resolution);
+    if (s.releases.pattern == ReleasePattern::Cells &&
+        s.releases.count < static_cast<std::int64_t>(model.area->cell_count()))
+        model.warnings.push_back("release.count = " + std::to_string(s.releases.count) + " is less than the " +
+                                 std::to_string(model.area->cell_count()) +
+                                 " start cells: some cells release no block");
 }
 
 SiteModel load_site(const SiteFile& site) {
@@ -147,19 +122,6 @@ SiteModel load_site(const SiteFile& site) {
                         {GeometryKind::Polygon, GeometryKind::LineString, GeometryKind::Point}, model.terrain);
     append(model.warnings, model.release.report.warnings);
     model.inputs.push_back(site.resolve(s.release.file).string());
-    try {
-        model.area = std::make_unique<ReleaseArea>(model.release.layer, *model.terrain.surface, s.releases.pattern,
-                                                   model.terrain.data.grid.shape);
-    } catch (const InputError& e) {
-        throw InputError(model.release.report.file + ": " + e.what() + " (the terrain is " +
-                         model.terrain.data.dtm.file + ")");  // the core knows no files
-    }
-    if (model.area->inside_share() < 0.999) {
-        const int percent = static_cast<int>(std::lround(100.0 * (1.0 - model.area->inside_share())));
-        model.warnings.push_back(s.release.file + ": about " + std::to_string(percent) +
-                                 " % of the release features lie off the terrain; blocks start on the rest only");
-    }
-
     CampaignInput& c = model.campaign;
     c.population = make_population(site, model);
     if (!s.screens.file.empty()) {
@@ -176,22 +138,18 @@ SiteModel load_site(const SiteFile& site) {
         model.inputs.push_back(site.resolve(s.deposit_zones.file).string());
         c.deposit_zones = make_deposit_zones(*model.deposit_zones, s.deposit_zones.field);
     }
-    c.surface = model.terrain.surface.get();
-    c.area = model.area.get();
     c.soils = s.soils;
     c.dynamics = s.dynamics;
     c.release = s.releases;
     c.release.azimuth = radians_from_degrees(s.azimuth_deg);
     c.release.elevation = radians_from_degrees(s.elevation_deg);
-    if (s.releases.pattern == ReleasePattern::Cells &&
-        s.releases.count < static_cast<std::int64_t>(model.area->cell_count()))
-        model.warnings.push_back("release.count = " + std::to_string(s.releases.count) + " is less than the " +
-                                 std::to_string(model.area->cell_count()) +
-                                 " start cells: some cells release no block");
     c.seed = static_cast<std::uint64_t>(s.seed);
-    c.result_cells = result_cells(model.terrain.data.grid.shape, s.result_resolution);
     c.kept_trajectories = s.trajectories;
     c.dynamics.kept_problems = static_cast<int>(s.contact_problems);
+    if (s.dimension == 2)
+        add_profiles(site, model);
+    else
+        add_release_area(site, model);
     return model;
 }
 

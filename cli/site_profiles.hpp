@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include "cli/site_model.hpp"
+#include "cli/site_terrain.hpp"
 #include "scree/geometry/profile_trace.hpp"
 
 #include <cstddef>

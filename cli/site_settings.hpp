@@ -76,7 +76,8 @@ struct SiteSettings {
     std::string block_list;
     BlockOrder block_order = BlockOrder::Random;
     BlockShape shape = BlockShape::Hull;
-    int points = 50;  ///< [-]
+    int points = 50;          ///< [-]
+    int polygon_points = 20;  ///< [-]
     std::string shape_file;
     BlockDistribution distribution;
 
@@ -96,10 +97,12 @@ struct SiteSettings {
     ProfileSettings profile;                 ///< without the angle
     double profile_gentle_slope_deg = 15.0;  ///< [deg]
     Converging profile_converging = Converging::Keep;
-    double profile_merge_distance = 1.0;  ///< [m]
-    std::int64_t profile_pictures = 12;   ///< [-]
+    double profile_merge_distance = 1.0;    ///< [m]
+    double profile_release_distance = 5.0;  ///< [m]
+    std::int64_t profile_pictures = 12;     ///< [-]
 
     VectorInput screens{{}, {}, "name"};
+    std::string screen_chainages;  ///< "NAME = CHAINAGE, ..."; of 2D [m]
     VectorInput deposit_zones{{}, {}, "name"};
 
     ObservedSettings observed;

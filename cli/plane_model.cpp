@@ -1,0 +1,134 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "cli/plane_model.hpp"
+
+#include "scree/base/error.hpp"
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <map>
+
+namespace scree::cli {
+
+namespace {
+
+std::string trimmed(const std::string& text) {
+    const auto first = text.find_first_not_of(" \t"), last = text.find_last_not_of(" \t");
+    return first == std::string::npos ? "" : text.substr(first, last - first + 1);
+}
+
+void require_whole_profiles(const SiteFile& site, const SiteProfiles& profiles) {
+    for (std::size_t k = 0; k < profiles.traces.size(); ++k)
+        if (profiles.traces[k].end == ProfileEnd::Merged)
+            throw InputError(
+                site.file.string() + ": profile.converging = \"merge\" ends profile " + std::to_string(k + 1) +
+                " where it runs into another, and blocks would end with it; in 2D use \"keep\" or \"drop\"");
+}
+
+/// Screens of the layer where they cut the profiles, and those given by their chainage.
+void add_marks(const SiteFile& site, SiteModel& model) {
+    CampaignInput& c = model.campaign;
+    const std::size_t drawn = c.screens.size();
+    const auto chainages = parse_chainages(site.settings.screen_chainages);
+    for (const auto& [name, s] : chainages) c.screens.push_back({name, {}});
+    std::map<std::string, bool> met;  // a name may have several lines
+    for (std::size_t k = 0; k < c.screens.size(); ++k) {
+        bool& stands = met[c.screens[k].name];
+        for (ProfileTrack& track : c.tracks) {
+            std::vector<double> places;
+            if (k < drawn)
+                places = track.profile.crossings(c.screens[k].line);
+            else if (track.profile.contains(chainages[k - drawn].second))
+                places = {chainages[k - drawn].second};
+            for (const double s : places) track.marks.push_back({static_cast<std::int32_t>(k), s});
+            stands = stands || !places.empty();
+        }
+    }
+    for (const auto& [name, stands] : met)
+        if (!stands) model.warnings.push_back("screen " + name + " stands on no profile: no block will cross it in 2D");
+}
+
+void warn_of_what_is_not_met(const SiteFile& site, SiteModel& model) {
+    const SiteSettings& s = site.settings;
+    const std::vector<std::int64_t>& left_out = model.profile_release->left_out();
+    std::string ids;
+    for (std::size_t k = 0; k < std::min<std::size_t>(left_out.size(), 10); ++k)
+        ids += (k ? ", " : "") + std::to_string(left_out[k]);
+    if (!left_out.empty())
+        model.warnings.push_back(s.release.file + ": no profile meets the features " + ids +
+                                 (left_out.size() > 10 ? ", ..." : "") +
+                                 ": no block starts there in 2D, all start on the others");
+    const std::vector<bool>& used = model.profile_release->used();
+    const auto idle = std::count(used.begin(), used.end(), false);
+    if (idle > 0)
+        model.warnings.push_back(std::to_string(idle) + " of " + std::to_string(used.size()) +
+                                 " profiles meet no release feature: no block starts on them");
+    for (std::size_t z = 0; z < model.campaign.deposit_zones.size(); ++z) {
+        const auto& area = std::get<MultiPolygon>(model.deposit_zones->layer.features[z].geometry);
+        if (std::none_of(model.campaign.tracks.begin(), model.campaign.tracks.end(),
+                         [&](const ProfileTrack& t) { return !t.profile.inside(area).empty(); }))
+            model.warnings.push_back("deposit zone " + model.campaign.deposit_zones[z].name +
+                                     " lies on no profile: no block can stop in it in 2D");
+    }
+    if (s.releases.speed > 0.0 && s.azimuth_deg != 0.0)
+        model.warnings.push_back(
+            "release.azimuth_deg does not matter in 2D: the initial speed points down along the profile");
+    if (s.releases.pattern == ReleasePattern::Cells &&
+        s.releases.count < static_cast<std::int64_t>(model.profile_release->cell_count()))
+        model.warnings.push_back("release.count = " + std::to_string(s.releases.count) + " is less than the " +
+                                 std::to_string(model.profile_release->cell_count()) +
+                                 " start cells: some cells release no block");
+}
+
+}  // namespace
+
+std::vector<std::pair<std::string, double>> parse_chainages(const std::string& text) {
+    std::vector<std::pair<std::string, double>> marks;
+    for (std::size_t from = 0; from <= text.size() && !trimmed(text).empty();) {
+        const std::size_t end = std::min(text.find(',', from), text.size());
+        const std::string item = trimmed(text.substr(from, end - from));
+        const auto equals = item.rfind('=');
+        const std::string name = equals == std::string::npos ? "" : trimmed(item.substr(0, equals)),
+                          number = equals == std::string::npos ? "" : trimmed(item.substr(equals + 1));
+        double s = 0.0;
+        const auto [rest, error] = std::from_chars(number.data(), number.data() + number.size(), s);
+        if (name.empty() || error != std::errc() || rest != number.data() + number.size() || !std::isfinite(s) ||
+            s < 0.0)
+            throw InputError("screens.chainages: \"" + item +
+                             "\" is no screen: write NAME = CHAINAGE in metres from the upper end of the profiles, "
+                             "separated by commas, such as \"ES1 = 39.5, ES2 = 48.5\"");
+        marks.emplace_back(name, s);
+        from = end + 1;
+    }
+    return marks;
+}
+
+void add_profiles(const SiteFile& site, SiteModel& model) {
+    const SiteSettings& s = site.settings;
+    model.profiles = trace_site_profiles(site, model.terrain);
+    require_whole_profiles(site, *model.profiles);
+    model.warnings.insert(model.warnings.end(), model.profiles->warnings.begin(), model.profiles->warnings.end());
+    for (const std::string& file : model.profiles->inputs)
+        if (std::find(model.inputs.begin(), model.inputs.end(), file) == model.inputs.end())
+            model.inputs.push_back(file);
+
+    CampaignInput& c = model.campaign;
+    std::vector<Profile> lines;
+    for (const ProfileTrace& trace : model.profiles->traces) {
+        c.tracks.push_back({trace.profile, {}});
+        lines.push_back(trace.profile);
+    }
+    c.cell_along = s.result_resolution > 0.0 ? s.result_resolution : model.terrain.data.grid.shape.cell;
+    if (c.population.list.empty()) c.population.filling = mean_filling(c.population.shape);
+    try {
+        model.profile_release = std::make_unique<ProfileRelease>(model.release.layer, lines, s.releases.pattern,
+                                                                 c.cell_along, s.profile_release_distance);
+    } catch (const InputError& e) {
+        throw InputError(model.release.report.file + ": " + e.what());  // the core knows no files
+    }
+    c.profile_release = model.profile_release.get();
+    add_marks(site, model);
+    warn_of_what_is_not_met(site, model);
+}
+
+}  // namespace scree::cli

@@ -1,0 +1,65 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "cli/site_terrain.hpp"
+
+#include <sstream>
+#include <utility>
+
+namespace scree::cli {
+
+namespace {
+
+gis::SoilZoneSettings zone_settings(const SiteSettings& s) {
+    gis::SoilZoneSettings zones;
+    zones.field = s.zones.field;
+    zones.priority_field = s.priority_field;
+    for (std::size_t k = 0; k < s.soils.size(); ++k) {
+        zones.soils.push_back(s.soils[k].name);
+        if (s.soils[k].name == s.default_soil) zones.default_soil = static_cast<SoilId>(k);
+    }
+    return zones;
+}
+
+}  // namespace
+
+SiteTerrain load_terrain(const SiteFile& site) {
+    const SiteSettings& s = site.settings;
+    gis::TerrainSource source;
+    source.dtm = site.resolve(s.dtm).string();
+    source.resolution = s.resolution;
+    source.surface = s.surface == SurfaceKind::Grid ? gis::Surface::Grid : gis::Surface::Tin;
+    source.tolerance = s.tolerance;
+    source.conforming = s.conforming;
+    if (!s.zones.file.empty()) source.zones_file = site.resolve(s.zones.file).string();
+    source.zones_layer = s.zones.layer;
+    source.zones = zone_settings(s);
+    if (!s.breaklines.file.empty()) source.breaklines_file = site.resolve(s.breaklines.file).string();
+    source.breaklines_layer = s.breaklines.layer;
+
+    SiteTerrain terrain;
+    terrain.data = gis::read_terrain(source);
+    std::ostringstream words;
+    if (terrain.data.mesh) {
+        terrain.surface = make_mesh_surface(std::move(*terrain.data.mesh));
+        words << terrain.surface->facet_count() << " facets of a triangulated mesh";
+        if (terrain.data.triangulation)
+            words << "; heights differ from the grid by " << terrain.data.triangulation->rms_error << " m (rms), "
+                  << terrain.data.triangulation->max_error << " m (largest)";
+    } else {
+        terrain.surface = make_grid_surface(terrain.data.grid, std::move(terrain.data.grid_soil));
+        words << terrain.surface->facet_count() << " facets, two a cell";
+    }
+    terrain.surface_report = words.str();
+    return terrain;
+}
+
+gis::VectorData read_site_layer(const SiteFile& site, const VectorInput& input, const char* purpose,
+                                std::vector<GeometryKind> kinds, const SiteTerrain& terrain) {
+    gis::VectorSource source;
+    source.file = site.resolve(input.file).string();
+    source.layer = input.layer;
+    source.kinds = std::move(kinds);
+    source.purpose = purpose;
+    return gis::read_vector(source, terrain.data.frame, terrain.data.grid.shape.bounds());
+}
+
+}  // namespace scree::cli
