@@ -2,6 +2,7 @@
 #include "cli/campaign_layers.hpp"
 #include "cli/commands.hpp"
 #include "cli/profile_layers.hpp"
+#include "cli/profile_scene.hpp"
 #include "cli/settings.hpp"
 #include "cli/site_model.hpp"
 #include "cli/site_profiles.hpp"
@@ -48,36 +49,13 @@ Surroundings read_surroundings(const SiteFile& site, const SiteTerrain& terrain,
     return around;
 }
 
-std::vector<gis::DrawnArea> areas_of(const gis::VectorData& data, const std::string& field) {
-    const std::vector<std::string> names =
-        field.empty() ? std::vector<std::string>(data.layer.features.size()) : gis::text_field(data, field);
-    std::vector<gis::DrawnArea> areas;
-    for (std::size_t k = 0; k < data.layer.features.size(); ++k)
-        if (const auto* polygons = std::get_if<MultiPolygon>(&data.layer.features[k].geometry))
-            areas.push_back({names[k], *polygons});
-    return areas;
-}
-
 gis::ProfileScene scene_of(const SiteFile& site, const SiteTerrain& terrain, const SiteProfiles& profiles,
                            const Surroundings& around) {
-    gis::ProfileScene scene;
-    scene.title = site.settings.name;
-    scene.frame = terrain.data.frame;
-    scene.heights = &terrain.data.grid;
-    scene.soils = terrain.data.soils.soils;
-    for (std::size_t k = 0; k < profiles.traces.size(); ++k) {
-        const ProfileTrace& trace = profiles.traces[k];
-        gis::DrawnProfile drawn;
-        drawn.name = std::to_string(k + 1);
-        drawn.facts = profile_words(trace, facts_of(trace, scene.soils.size()));
-        drawn.profile = &trace.profile;
-        for (const Course course : trace.course) drawn.straight.push_back(course == Course::Straight);
-        drawn.start = trace.start;
-        scene.profiles.push_back(std::move(drawn));
-    }
+    gis::ProfileScene scene = profile_scene(site.settings.name, terrain, profiles);
     for (const Screen& screen : around.screens) scene.screens.push_back({screen.name, screen.line});
-    if (around.deposit_zones) scene.deposit_zones = areas_of(*around.deposit_zones, site.settings.deposit_zones.field);
-    if (around.release) scene.releases = areas_of(*around.release, "");
+    if (around.deposit_zones)
+        scene.deposit_zones = drawn_areas(*around.deposit_zones, site.settings.deposit_zones.field);
+    if (around.release) scene.releases = drawn_areas(*around.release, "");
     return scene;
 }
 

@@ -3,6 +3,7 @@
 #include "cli/campaign_layers.hpp"
 #include "cli/commands.hpp"
 #include "cli/plane_layers.hpp"
+#include "cli/plane_pictures.hpp"
 #include "cli/progress.hpp"
 #include "cli/site_model.hpp"
 #include "gis/results_writer.hpp"
@@ -124,6 +125,7 @@ ExitCode run_run(const Context& context) {
     package.provenance = provenance(site, model, result);
     package.files.push_back({"run.toml", reproducing_toml(site, result, folder, "scree run run.toml")});
     if (model.in_plane()) package.files.push_back({"profile_curves.csv", curves_csv(model, result)});
+    for (gis::TextFile& picture : run_pictures(site, model, result)) package.files.push_back(std::move(picture));
     add_hard_problems(result, static_cast<std::size_t>(site.settings.contact_problems), package);
     gis::write_results(folder, package, context.overwrite);
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "gis/profile_picture.hpp"
 
+#include "gis/long_profile.hpp"
 #include "gis/relief.hpp"
 #include "gis/styles.hpp"
 #include "gis/svg.hpp"
@@ -14,34 +15,8 @@ namespace scree::gis {
 
 namespace {
 
-constexpr double kWidth = 1000.0;       // of the picture [pixel]
-constexpr double kLeft = 100.0;         // [pixel] room for the numbers of the vertical axes
-constexpr double kRight = 20.0;         // [pixel]
-constexpr double kTop = 62.0;           // [pixel] room for title and facts
-constexpr double kFoot = 48.0;          // [pixel] room for the numbers and title of a horizontal axis
-constexpr double kLegend = 26.0;        // [pixel] height of the row of the legend
 constexpr double kPlanHeight = 430.0;   // [pixel] of the map in the picture of one profile
 constexpr double kMostSection = 720.0;  // [pixel] tallest long profile
-constexpr double kLeastSection = 200.0;
-const char* const kScreenColour = "#b30059";
-const char* const kReleaseColour = "#cc3311";
-const char* const kZoneColour = "#117733";
-const char* const kOtherColour = "#1a1a1a";
-
-std::string soil_name(const ProfileScene& scene, SoilId soil) {
-    return soil < scene.soils.size() ? scene.soils[soil] : words("soil ", static_cast<int>(soil));
-}
-
-/// Runs of reaches with one value: calls use(first, last + 1).
-template <class Value, class Use>
-void for_runs(const Profile& p, const Value& value, const Use& use) {
-    for (std::size_t k = 0; k < p.reach_count();) {
-        std::size_t end = k + 1;
-        while (end < p.reach_count() && value(end) == value(k)) ++end;
-        use(k, end);
-        k = end;
-    }
-}
 
 // --- plan ---
 
@@ -231,166 +206,12 @@ private:
     SvgPanel panel_;
 };
 
-// --- long profile ---
-
-class Section {
-public:
-    Section(Svg& svg, const ProfileScene& scene, const DrawnProfile& drawn, const SvgPanel& panel)
-        : svg_(svg), scene_(scene), drawn_(drawn), profile_(*drawn.profile), panel_(panel) {}
-
-    void draw() {
-        axes();
-        ground();
-        stretches(scene_.releases, kReleaseColour, 12.0, "release");
-        stretches(scene_.deposit_zones, kZoneColour, 38.0, "");
-        screens();
-        svg_.circle(panel_.at({drawn_.start, profile_.height_at(drawn_.start)}), 4.5,
-                    {.stroke = "#ffffff", .width = 1.5, .fill = kReleaseColour});
-    }
-
-private:
-    void axes() {
-        SvgAxes axes;
-        axes.x_title = "Chainage s, horizontal distance along the profile [m]";
-        axes.y_title = "Height [m]";
-        axes.offset = {0.0, scene_.frame.height};
-        draw_axes(svg_, panel_, axes);
-    }
-
-    void ground() {
-        std::vector<Vec2> line;
-        for (std::size_t k = 0; k < profile_.vertex_count(); ++k) line.push_back(panel_.at(profile_.vertex(k)));
-        const double bottom = panel_.pixels.max.y();
-        for_runs(
-            profile_, [&](std::size_t k) { return profile_.soil[k]; },
-            [&](std::size_t from, std::size_t to) {
-                const std::string colour = category_colour(profile_.soil[from]);
-                std::vector<Vec2> run(line.begin() + static_cast<std::ptrdiff_t>(from),
-                                      line.begin() + static_cast<std::ptrdiff_t>(to) + 1);
-                std::vector<Vec2> fill = run;
-                fill.emplace_back(run.back().x(), bottom);
-                fill.emplace_back(run.front().x(), bottom);
-                const std::vector<std::vector<Vec2>> rings{fill};
-                svg_.area(rings, {.fill = colour, .opacity = 0.22});
-                svg_.line(run, {.stroke = colour, .width = 3.5});
-            });
-        svg_.line(line, {.stroke = "#000000", .width = 1.0});
-        for_runs(
-            profile_, [&](std::size_t k) { return static_cast<bool>(drawn_.straight[k]); },
-            [&](std::size_t from, std::size_t to) {
-                if (!drawn_.straight[from]) return;
-                svg_.segment({line[from].x(), bottom - 6.0}, {line[to].x(), bottom - 6.0},
-                             {.stroke = "#000000", .width = 1.6, .dashes = "4 3"});
-            });
-    }
-
-    /// Bars along the top where the profile lies in an area.
-    void stretches(const std::vector<DrawnArea>& areas, const std::string& colour, double depth,
-                   const std::string& name) {
-        const double y = panel_.pixels.min.y() + depth;
-        for (const DrawnArea& area : areas) {
-            for (const Profile::Stretch& s : profile_.inside(area.polygons)) {
-                const double from = panel_.at({s.from, 0.0}).x(), to = panel_.at({s.to, 0.0}).x();
-                svg_.segment({from, y}, {to, y}, {.stroke = colour, .width = 4.0});
-                for (const double end : {from, to})
-                    svg_.segment({end, y - 5.0}, {end, y + 5.0}, {.stroke = colour, .width = 1.2});
-                const bool left = to - from < 60.0 && to > panel_.pixels.max.x() - 80.0;
-                svg_.text({left               ? from - 4.0
-                           : to - from < 60.0 ? to + 4.0
-                                              : 0.5 * (from + to),
-                           y + (to - from < 60.0 ? 4.0 : -6.0)},
-                          name.empty() ? area.name : name,
-                          {.size = 11.0,
-                           .anchor = left               ? "end"
-                                     : to - from < 60.0 ? "start"
-                                                        : "middle",
-                           .colour = colour,
-                           .halo = true});
-            }
-        }
-    }
-
-    void screens() {
-        std::vector<std::pair<double, std::string>> marks;
-        for (const DrawnLine& screen : scene_.screens)
-            for (const double s : profile_.crossings(screen.points)) marks.emplace_back(s, screen.name);
-        std::sort(marks.begin(), marks.end());
-        std::vector<double> row_end;  // where the words of each row end [pixel]
-        for (const auto& [s, name] : marks) {
-            const double x = panel_.at({s, 0.0}).x();
-            const std::string text = name + ", s = " + fixed(s, 1) + " m";
-            std::size_t row = 0;
-            while (row < row_end.size() && row_end[row] > x) ++row;
-            if (row == row_end.size()) row_end.push_back(0.0);
-            row_end[row] = x + 7.0 * static_cast<double>(text.size());
-            const double top = panel_.pixels.min.y() + 48.0 + 15.0 * static_cast<double>(row);
-            svg_.segment({x, top}, {x, panel_.pixels.max.y()},
-                         {.stroke = kScreenColour, .width = 1.3, .dashes = "6 3"});
-            svg_.text({x + 4.0, top + 12.0}, text, {.size = 11.0, .colour = kScreenColour, .halo = true});
-        }
-    }
-
-    Svg& svg_;
-    const ProfileScene& scene_;
-    const DrawnProfile& drawn_;
-    const Profile& profile_;
-    SvgPanel panel_;
-};
-
-// --- around them ---
-
-/// The keys of what the picture shows, in one row.
-class Legend {
-public:
-    Legend(Svg& svg, double y) : svg_(svg), y_(y) {}
-
-    void soil(const std::string& name, const std::string& colour) {
-        svg_.box({{x_, y_ - 9.0}, {x_ + 22.0, y_ + 1.0}}, {.stroke = "#000000", .width = 0.6, .fill = colour});
-        words_after(28.0, name);
-    }
-    void dashed(const std::string& name) {
-        svg_.segment({x_, y_ - 4.0}, {x_ + 26.0, y_ - 4.0}, {.stroke = "#000000", .width = 1.6, .dashes = "4 3"});
-        words_after(32.0, name);
-    }
-    void dot(const std::string& name) {
-        svg_.circle({x_ + 5.0, y_ - 4.0}, 4.5, {.stroke = "#ffffff", .width = 1.5, .fill = kReleaseColour});
-        words_after(14.0, name);
-    }
-
-private:
-    void words_after(double offset, const std::string& name) {
-        svg_.text({x_ + offset, y_}, name, {});
-        x_ += offset + 7.0 * static_cast<double>(name.size()) + 18.0;
-    }
-
-    Svg& svg_;
-    double x_ = kLeft, y_;  // [pixel]
-};
-
-void titles(Svg& svg, const std::string& title, const std::string& facts) {
-    svg.text({kLeft, 26.0}, title, {.size = 18.0, .bold = true});
-    svg.text({kLeft, 48.0}, facts, {.size = 13.0});
-}
+// --- around it ---
 
 SvgPanel plan_panel(const Box2& data, double top, double height) {
     const Box2 pixels{{kLeft, top}, {kWidth - kRight, top + height}};
     const double margin = std::max(5.0, 0.06 * (data.max - data.min).maxCoeff());
     return {pixels, fitted(data, kWidth - kRight - kLeft, height, margin)};
-}
-
-/// Equal scales if the long profile then has a good height; otherwise heights are drawn larger or smaller by a factor that is said.
-SvgPanel section_panel(const Profile& p, double top, double& exaggeration) {
-    const auto [low, high] = std::minmax_element(p.z.begin(), p.z.end());
-    const double width = kWidth - kRight - kLeft;
-    const double unit = p.length() / width;
-    // room above the ground for zones and screens
-    const double drop = std::max(*high - *low, 0.02 * p.length());
-    const double equal = 1.1 * drop / unit + 60.0;
-    const double height = std::clamp(equal, kLeastSection, kMostSection);
-    exaggeration = equal > kMostSection ? (height - 60.0) / (1.1 * drop / unit) : 1.0;
-    const double bottom = *low - 0.1 * drop;
-    return {{{kLeft, top}, {kWidth - kRight, top + height}},
-            {{0.0, bottom}, {p.length(), bottom + height * unit / exaggeration}}};
 }
 
 }  // namespace
@@ -428,7 +249,7 @@ std::string profile_picture(const ProfileScene& scene, std::size_t number) {
     for (const Vec2& place : profile.place) box.add(place);
     const double legend = kTop + kPlanHeight + kFoot + kLegend, section_top = legend + 20.0;
     double exaggeration = 1.0;
-    const SvgPanel below = section_panel(profile, section_top, exaggeration);
+    const SvgPanel below = section_panel(profile, section_top, kMostSection, exaggeration);
     Svg svg(kWidth, below.pixels.max.y() + kFoot + 12.0);
     const SvgPanel panel = plan_panel(box, kTop, kPlanHeight);
     Plan plan(svg, scene, panel);
@@ -453,7 +274,7 @@ std::string profile_picture(const ProfileScene& scene, std::size_t number) {
     if (std::find(drawn.straight.begin(), drawn.straight.end(), true) != drawn.straight.end())
         keys.dashed("led straight on");
     keys.dot("start");
-    Section(svg, scene, drawn, below).draw();
+    draw_long_profile(svg, scene, drawn, below, true);
     svg.text({kWidth - kRight, legend},
              exaggeration == 1.0 ? "long profile: equal scales" : "long profile: heights x " + fixed(exaggeration, 2),
              {.anchor = "end"});

@@ -7,17 +7,19 @@
 #include "scree/geometry/profile.hpp"
 
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace scree::gis {
 
 /// A profile as it is drawn.
 struct DrawnProfile {
-    std::string name{};                ///< "1"
-    std::string facts{};               ///< one line below the title: length, drop, why it ends
-    const Profile* profile = nullptr;  ///< not empty
-    std::vector<bool> straight{};      ///< per reach: led straight on over gentle ground
-    double start = 0.0;                ///< chainage of the starting point [m]
+    std::string name{};                                   ///< "1"
+    std::string facts{};                                  ///< one line below the title: length, drop, why it ends
+    const Profile* profile = nullptr;                     ///< not empty
+    std::vector<bool> straight{};                         ///< per reach: led straight on over gentle ground
+    double start = 0.0;                                   ///< chainage of the starting point [m]
+    std::vector<std::pair<double, std::string>> marks{};  ///< screens given by their chainage [m]
 };
 
 /// A line on the map with a name: a screen.

@@ -50,7 +50,11 @@ void PathRecorder<Dim>::segment(const MotionSegment<Dim>& m) {
 
 template <int Dim>
 void PathRecorder<Dim>::raise_cell(std::size_t cell, const MotionSegment<Dim>& m, double from, double to) {
-    CellValues& values = cells_[cell];
+    if (!last_values_ || cell != last_cell_) {  // most steps stay in the cell of the one before
+        last_values_ = &cells_[cell];
+        last_cell_ = cell;
+    }
+    CellValues& values = *last_values_;
     auto raise = [&](CellQuantity quantity, double value) {
         double& v = values[static_cast<std::size_t>(quantity)];
         v = std::max(v, value);
@@ -87,6 +91,7 @@ void PathRecorder<Dim>::keep_line(const MotionSegment<Dim>& m) {
         line_.points.push_back(on_map(position_at(m, s)));
         line_.times.push_back(m.start + s * m.duration);
         line_.speeds.push_back(velocity_at(m, s).norm());
+        if constexpr (Dim == 2) line_.chainages.push_back(position_at(m, s).x());
     };
     if (line_.points.empty()) keep(0.0);
     if (m.in_contact) {
@@ -252,21 +257,24 @@ void ProfileRecorder::cross_screens(const MotionSegment<2>& m) {
 /// Over one reach the height above it is a downward parabola in time: its largest value is at an end or at the apex.
 double ProfileRecorder::largest_height(const MotionSegment<2>& m, double from, double to) const {
     const double start = m.position.x(), way = position_at(m, 1.0).x() - start;
-    const double a = start + from * way, b = start + to * way;
+    const double rise = m.duration * m.velocity_start.y(),
+                 curvature = 0.5 * m.duration * (m.velocity_end.y() - m.velocity_start.y());
+    auto largest_over = [&](const GroundReach& reach, double low, double high) {
+        const double a = m.position.y() - reach.height(start), b = rise - reach.slope * way;
+        auto height = [&](double share) { return a + share * (b + share * curvature); };
+        const double largest = std::max(height(low), height(high));
+        const double apex = curvature < 0.0 ? -0.5 * b / curvature : -1.0;
+        return apex > low && apex < high ? std::max(largest, height(apex)) : largest;
+    };
+    const double s = start + from * way, t = start + to * way;
+    const std::size_t first = ground_.reach_at(std::min(s, t)), last = ground_.reach_at(std::max(s, t), first);
+    if (first == last) return std::max(0.0, largest_over(ground_.reach(first), from, to));
     double largest = 0.0;
-    const std::size_t first = ground_.reach_at(std::min(a, b)), last = ground_.reach_at(std::max(a, b), first);
     for (std::size_t k = first; k <= last; ++k) {
         const GroundReach& reach = ground_.reach(k);
-        auto share_at = [&](double s) { return way == 0.0 ? from : std::clamp((s - start) / way, from, to); };
-        const double low = way == 0.0 ? from : std::min(share_at(reach.from), share_at(reach.to)),
-                     high = way == 0.0 ? to : std::max(share_at(reach.from), share_at(reach.to));
-        auto height = [&](double share) { return position_at(m, share).y() - reach.height(start + share * way); };
-        largest = std::max({largest, height(low), height(high)});
-        // apex of a + b s + c s^2
-        const double h0 = height(0.0), h1 = height(1.0), hm = height(0.5);
-        const double c = 2.0 * (h0 + h1 - 2.0 * hm), slope = h1 - h0 - c;
-        if (c < 0.0 && -slope / (2.0 * c) > low && -slope / (2.0 * c) < high)
-            largest = std::max(largest, height(-slope / (2.0 * c)));
+        const double enters = std::clamp((reach.from - start) / way, from, to),
+                     leaves = std::clamp((reach.to - start) / way, from, to);
+        largest = std::max(largest, largest_over(reach, std::min(enters, leaves), std::max(enters, leaves)));
     }
     return largest;
 }

@@ -51,6 +51,8 @@ private:
     double mass_;  ///< [kg]
     BlockResult& result_;
     std::unordered_map<std::size_t, CellValues> cells_;
+    CellValues* last_values_ = nullptr;  ///< of the cell raised last
+    std::size_t last_cell_ = 0;
     std::vector<ScreenCrossing> crossings_;
     std::vector<bool> crossed_;
     SpanSpeed<Dim> span_speed_;

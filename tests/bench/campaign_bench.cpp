@@ -3,6 +3,7 @@
 #include "bench/scenes.hpp"
 
 #include "gis/raster_writer.hpp"
+#include "scree/base/random.hpp"
 #include "scree/ensemble/campaign.hpp"
 
 #include <malloc.h>
@@ -51,6 +52,32 @@ void campaign(benchmark::State& state) {
                   WorkMeter::Time::Cpu);
 }
 BENCHMARK(campaign)
+    ->ArgNames({"rough", "moreau_jean"})
+    ->Args({0, 0})
+    ->Args({1, 0})
+    ->Args({0, 1})
+    ->Args({1, 1})
+    ->Unit(benchmark::kMillisecond);
+
+/// The same in 2D, on the site's profile, as it is or with 5 cm of noise on every vertex.
+CampaignInput plane_input(bool rough, bool moreau_jean) {
+    static const cli::SiteModel site =
+        cli::load_site(cli::read_site_file(SCREE_SOURCE_DIR "/sample_sites/quarry_a/site.toml", {"model.dimension=2"}));
+    CampaignInput input = site.campaign;
+    input.threads = 1;
+    input.kept_trajectories = 0;
+    input.release.count = 5 * kBlocks;
+    input.dynamics.mode = moreau_jean ? SteppingMode::MoreauJean : SteppingMode::Event;
+    if (moreau_jean) input.dynamics.time_step = 1e-3;
+    RandomStream random(1, 1, RandomPurpose::Effect);
+    if (rough)
+        for (double& z : input.tracks.front().profile.z) z += random.uniform(-0.05, 0.05);
+    return input;
+}
+void campaign_plane(benchmark::State& state) {
+    run_campaigns(state, plane_input(state.range(0) != 0, state.range(1) != 0), WorkMeter::Time::Cpu);
+}
+BENCHMARK(campaign_plane)
     ->ArgNames({"rough", "moreau_jean"})
     ->Args({0, 0})
     ->Args({1, 0})

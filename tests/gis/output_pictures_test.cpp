@@ -2,6 +2,7 @@
 // Pictures: numbers and escapes of the drawing, relief and contours on ground whose look is known, and the pictures of profiles as XML.
 #include "gis/profile_picture.hpp"
 #include "gis/relief.hpp"
+#include "gis/run_picture.hpp"
 #include "gis/svg.hpp"
 
 #include <cpl_minixml.h>
@@ -159,6 +160,35 @@ TEST(ProfilePicture, SaysWhatItShows) {
     const std::string plan = gis::profiles_plan(scene);
     EXPECT_THAT(plan, HasSubstr("2 profiles"));
     EXPECT_THAT(plan, Not(HasSubstr("Chainage")));
+}
+
+TEST(RunPicture, DrawsPanelsOverTheSameChainages) {
+    const std::vector<Vec3> points{{0, 50, 0}, {40, 50, -20}, {80, 50, -40}};
+    const std::vector<SoilId> soil{1, 0};
+    const Profile profile = make_profile(points, soil);
+    gis::ProfileScene scene;
+    scene.soils = {"scree", "rock"};
+    scene.profiles = {{"1", "", &profile, {false, false}, 4.0, {{60.0, "road & rail"}}}};
+    scene.screens = {{"ES1", {{20, 40}, {20, 60}}}};
+    gis::DrawnRun run;
+    run.title = "A & B: run";
+    run.facts = "7 blocks";
+    run.cell = 20.0;
+    run.paths = {{{4.0, 0.0}, {30.0, -10.0}}, {{4.0, 0.0}, {70.0, -35.0}}};
+    run.stops = {{70.0, -35.0}};
+    run.panels = {{"Stops [%]", {{"stops", "#0072b2", {0.0, 25.0, 75.0, 0.0}}}, true},
+                  {"Energy [kJ]",
+                   {{"mean", "#009e73", {1.0, 4.0, kNaN, 2.0}}, {"maximum", "#7f7f7f", {2.0, 8.0, kNaN, 2.0}, "3 2"}}}};
+    const std::string picture = gis::run_picture(scene, 0, run);
+    CPLXMLNode* xml = CPLParseXMLString(picture.c_str());
+    ASSERT_NE(xml, nullptr);
+    CPLDestroyXMLNode(xml);
+    for (const char* words : {"A &amp; B: run", "7 blocks", "2 paths", "ES1, s = 20.0 m", "road &amp; rail, s = 60.0 m",
+                              "Stops [%]", "Energy [kJ]", "maximum", "Chainage s"})
+        EXPECT_THAT(picture, HasSubstr(words));
+    EXPECT_THAT(picture, Not(HasSubstr("nan")));
+    EXPECT_EQ(picture.find("Chainage s"), picture.rfind("Chainage s")) << "the axis is named once, below";
+    EXPECT_EQ(picture, gis::run_picture(scene, 0, run));
 }
 
 }  // namespace

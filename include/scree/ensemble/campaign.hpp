@@ -53,6 +53,7 @@ struct KeptTrajectory {
     std::vector<Vec3> points;    ///< [m]
     std::vector<double> times;   ///< since release [s]
     std::vector<double> speeds;  ///< [m/s]
+    std::vector<double> chainages;  ///< 2D [m]
 };
 
 /// A contact problem that was left above the solver's tolerance.
