@@ -1,10 +1,10 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Is sample_sites/quarry_a/data what its generate.py writes, and do its layers fit together?
+"""Is the data/ of a synthetic sample site what its generate.py writes, and do its layers fit together?
 
 Contents are compared, not bytes, since other versions of GDAL may pack them differently. Exit code: 0 yes, 1 no (one line
 per difference), 77 skipped because numpy or GDAL's Python module is absent.
-Usage: check_quarry_a.py [--data DIR]     (default: the data in the repository)
+Usage: check_sample_site.py SITE [--data DIR]     (SITE: a folder of sample_sites; default: its data in the repository)
 """
 import argparse
 import re
@@ -23,7 +23,8 @@ except ImportError as error:
 gdal.UseExceptions()
 ogr.UseExceptions()
 
-SITE = Path(__file__).resolve().parents[2] / "sample_sites" / "quarry_a"
+SITES = Path(__file__).resolve().parents[2] / "sample_sites"
+FIRST_ZONE = {"quarry_a": "1A", "quarry_b": "1B"}   # deposit zone that the release area lies in
 RASTERS = ["dtm.tif"]
 LAYERS = ["zones.gpkg", "release.gpkg", "screens.gpkg", "deposit_zones.gpkg"]
 TABLES = ["blocks.csv"]
@@ -96,7 +97,7 @@ def shared_area(a, b):
     return shared.Area() if shared.GetDimension() == 2 else 0.0
 
 
-def check_fit(rasters, layers):
+def check_fit(rasters, layers, first_zone):
     """What a user takes for granted: one CRS, everything on the terrain, soils that do not overlap."""
     facts, _ = rasters["dtm.tif"]
     west, cell, _, north, _, _ = facts["placement"]
@@ -117,27 +118,30 @@ def check_fit(rasters, layers):
             if any(shared_area(first, other) > SAME_AREA for other in shapes[i + 1:]):
                 yield f"{name}: polygons overlap"
     release = layers["release.gpkg"][1][0][1]
-    for name, field, wanted in (("zones.gpkg", "soil", "loose waste"), ("deposit_zones.gpkg", "name", "1A")):
+    for name, field, wanted in (("zones.gpkg", "soil", "loose waste"), ("deposit_zones.gpkg", "name", first_zone)):
         if not any(values[field] == wanted and shape.Contains(release) for values, shape in layers[name][1]):
             yield f"release.gpkg: does not lie inside {wanted} of {name}"
 
 
-def check_site_file():
-    """Every file and every soil that site.toml names exists."""
-    text = (SITE / "site.toml").read_text(encoding="utf-8")
+def check_site_file(site, name):
+    """Every file and every soil that a site file names exists."""
+    text = (site / name).read_text(encoding="utf-8")
     for path in re.findall(r'"(data/[^"]+)"', text):
-        if not (SITE / path).is_file():
-            yield f"site.toml: {path} does not exist"
+        if not (site / path).is_file():
+            yield f"{name}: {path} does not exist"
     soils = set(re.findall(r'^name = "([^"]+)"', text.split("[[soil]]", 1)[1], flags=re.MULTILINE))
-    used = {values["soil"] for values, _ in read_layer(SITE / "data" / "zones.gpkg")[1]}
+    used = {values["soil"] for values, _ in read_layer(site / "data" / "zones.gpkg")[1]}
     if soils != used:
-        yield f"site.toml: describes the soils {sorted(soils)}, zones.gpkg uses {sorted(used)}"
+        yield f"{name}: describes the soils {sorted(soils)}, zones.gpkg uses {sorted(used)}"
 
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--data", type=Path, default=SITE / "data", metavar="DIR")
-    kept = parser.parse_args().data
+    parser.add_argument("site", choices=FIRST_ZONE)
+    parser.add_argument("--data", type=Path, metavar="DIR")
+    args = parser.parse_args()
+    site = SITES / args.site
+    kept = args.data or site / "data"
     expected = sorted(RASTERS + LAYERS + TABLES)
     problems = []
     if sorted(path.name for path in kept.iterdir()) != expected:
@@ -145,7 +149,7 @@ def main():
     else:
         with tempfile.TemporaryDirectory() as folder:
             made = Path(folder)
-            subprocess.run([sys.executable, "-B", str(SITE / "generate.py"), "--output", folder], check=True)
+            subprocess.run([sys.executable, "-B", str(site / "generate.py"), "--output", folder], check=True)
             rasters = {name: read_raster(kept / name) for name in RASTERS}
             layers = {name: read_layer(kept / name) for name in LAYERS}
             for name in RASTERS:
@@ -154,11 +158,12 @@ def main():
                 problems += compare_layer(name, layers[name], read_layer(made / name))
             for name in TABLES:
                 problems += compare_table(name, (kept / name).read_text(), (made / name).read_text())
-        problems += check_fit(rasters, layers)
-        problems += check_site_file()
+        problems += check_fit(rasters, layers, FIRST_ZONE[args.site])
+        for name in ("site.toml", "truth.toml"):
+            problems += check_site_file(site, name)
     for problem in problems:
         print(problem)
-    print("quarry_a: " + (f"{len(problems)} problems" if problems else "the data follow from generate.py and fit together"))
+    print(f"{args.site}: " + (f"{len(problems)} problems" if problems else "the data follow from generate.py and fit together"))
     return 1 if problems else 0
 
 
