@@ -11,6 +11,9 @@
 
 namespace scree {
 
+/// All values of a row for an observable, or nothing if one is missing. A known block that has not passed a screen has a motion of 0 there.
+std::vector<double> point_of(const ObservationTable& table, std::size_t row, const Observable& observable);
+
 /// Which rows of a simulated table to use, at most `most` of them: the first ones, of known blocks equally many of each. Blocks with fewer than
 /// kLeastRepeats rows are left out.
 std::vector<char> balanced_rows(const ObservationTable& simulated, std::size_t most);

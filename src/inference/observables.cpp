@@ -87,7 +87,8 @@ void add_screen(std::vector<Observable>& list, const Observations& observations,
     }
 }
 
-/// All values of a row, or nothing if one is missing.
+}  // namespace
+
 std::vector<double> point_of(const ObservationTable& table, std::size_t row, const Observable& observable) {
     std::vector<double> point;
     for (const Column& column : observable.columns) {
@@ -96,8 +97,6 @@ std::vector<double> point_of(const ObservationTable& table, std::size_t row, con
     }
     return point;
 }
-
-}  // namespace
 
 std::vector<Observable> make_observables(const Observations& observations, const ObservationOperator& op) {
     std::vector<Observable> list;

@@ -15,7 +15,8 @@ enum class RandomPurpose : std::uint32_t {
     Orientation = 4,
     Effect = 5,
     Resampling = 6,
-    Observation = 7
+    Observation = 7,
+    Calibration = 8
 };
 
 /// A counter-based random stream: Philox4x32-10 (Salmon et al. 2011, SC'11) keyed by (seed, stream number, purpose).

@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include "scree/inference/calibration.hpp"
+#include "scree/inference/gap_function.hpp"
+
+namespace scree {
+
+/// What each measured block loses in a simulation, for calibrate(): the energy score (distance.hpp) of what was measured on it against the simulated values
+/// that could have been its own, summed over the observables that count in the overall gap. A strictly proper score: least in expectation for the
+/// distribution that the block was drawn from. A known block is held against its own repeats, others against the pool; shares that are known as counts
+/// are as many records of 0 and 1.
+///
+/// Each observable is divided by half the mean difference of its measured values (for shares p (1-p) with half a block added on either side), so that it
+/// counts as much as any other whatever its unit, and by the number of observables. This yardstick is taken from the test alone: no model can move it. The
+/// mean loss of pooled observables is then, up to a constant that no parameter changes, their mean energy distance.
+class CalibrationLoss {
+public:
+    explicit CalibrationLoss(GapFunction function);
+
+    /// Rows of the measured table, then one per block of each count [-].
+    std::size_t records() const { return records_; }
+    /// Names of the observables that are minimised.
+    std::vector<std::string> observables() const;
+    /// Empty where a measured block has fewer than kLeastRepeats simulated values: losses over different blocks cannot be compared. `seed` draws the errors of
+    /// the measurements.
+    SimulatedLoss operator()(const CampaignResult& campaign, std::uint64_t seed) const;
+
+private:
+    struct Part {
+        Observable observable;
+        double weight = 0.0;                      ///< of its scores in the loss of a record [1 / unit of the values]
+        std::vector<std::size_t> records;         ///< with a value of it [-]
+        std::vector<std::vector<double>> points;  ///< their values [unit of the values]
+    };
+    /// Fill records and points of a part, and return its yardstick.
+    double add_rows(Part& part) const;
+    double add_counts(Part& part);
+    bool add_scores(const Part& part, const ObservationTable& simulated, SimulatedLoss& loss) const;
+
+    GapFunction function_;
+    std::vector<Part> parts_;
+    std::size_t records_ = 0;
+};
+
+}  // namespace scree

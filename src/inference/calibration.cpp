@@ -1,0 +1,435 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "scree/inference/calibration.hpp"
+
+#include "inference/calibration_surroundings.hpp"
+#include "inference/cma_es.hpp"
+
+#include "scree/base/assert.hpp"
+#include "scree/base/error.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+namespace scree {
+
+namespace {
+
+constexpr double kFirstStep = 0.2;  // standard deviation of the first generation, in shares of the range [-]
+constexpr double kFirstHalf = 0.2;  // half width of the first box around the best point [-]
+constexpr double kApart = 0.25;     // starts of one level are so far apart if they can be, in shares of the range [-]
+constexpr std::size_t kRaceSeeds = 3;          // [-]
+constexpr std::size_t kSurroundingRounds = 2;  // the second box follows from the first fit [-]
+constexpr std::int64_t kRaceDraws = 1000;      // of the records, for how far a level is behind [-]
+
+/// Streams of random numbers for different uses.
+enum Stream : std::uint64_t { kScreening, kHypercube, kRace, kJudgement, kFolds, kDraws, kBehind, kDesign, kMany = 64 };
+constexpr std::uint64_t kSearchStreams = 1ULL << 20, kSurroundingStreams = 1ULL << 40;
+
+struct Stopped {};
+
+std::size_t positive(std::int64_t n) {
+    return static_cast<std::size_t>(std::max<std::int64_t>(n, 0));
+}
+
+/// Everything that `settings` leave open, decided.
+struct Plan {
+    std::vector<std::vector<std::size_t>> levels;  ///< every combination of choices
+    std::size_t dimension = 0, screening = 0, starts = 0, population = 0, generations = 0, surroundings = 0, folds = 0;
+
+    Plan(const CalibrationProblem& problem, const CalibrationSettings& s) : dimension(problem.parameters.size()) {
+        levels.emplace_back();
+        for (const CalibrationChoice& choice : problem.choices) {
+            std::vector<std::vector<std::size_t>> more;
+            for (const auto& before : levels)
+                for (std::size_t l = 0; l < choice.levels.size(); ++l) {
+                    more.push_back(before);
+                    more.back().push_back(l);
+                }
+            levels = std::move(more);
+        }
+        folds = s.folds < 2 || dimension == 0 ? 0 : std::min(positive(s.folds), problem.records);
+        starts = 1;
+        if (dimension == 0) return;
+        screening = s.screening > 0 ? positive(s.screening) : std::max<std::size_t>(8, 4 * dimension);
+        starts = std::min(std::max<std::size_t>(1, positive(s.starts) / levels.size()), screening);
+        population = s.population > 0 ? std::max<std::size_t>(2, positive(s.population))
+                                      : static_cast<std::size_t>(CmaEs::default_population(dimension));
+        generations = positive(s.generations);
+        const std::size_t coefficients = QuadraticFit::coefficients(dimension);
+        surroundings = s.surroundings > 0 ? positive(s.surroundings) : std::max<std::size_t>(30, 4 * coefficients);
+        surroundings =
+            std::max(surroundings, kSurroundingRounds * (coefficients + 2));  // each round must be able to fit
+    }
+    std::size_t total() const {
+        return levels.size() * (screening + starts * (population * generations + kRaceSeeds)) + surroundings + 2 +
+               folds;
+    }
+};
+
+class Calibration {
+public:
+    Calibration(const CalibrationProblem& problem, const CalibrationSettings& settings, const LossFunction& function,
+                CalibrationJournal& journal, const std::function<void(const CalibrationProgress&)>& progress)
+        : problem_(problem),
+          s_(settings),
+          function_(function),
+          journal_(journal),
+          progress_(progress),
+          plan_(problem, settings) {}
+
+    CalibrationResult run() {
+        result_.start = start_point();
+        try {
+            search();
+            race();
+            if (plan_.dimension > 0) look_around();
+            judge();
+        } catch (const Stopped&) {
+            result_ = {};
+            result_.start = start_point();
+            result_.interrupted = true;
+        }
+        return std::move(result_);
+    }
+
+private:
+    RandomStream stream(std::uint64_t number) const { return {s_.seed, number, RandomPurpose::Calibration}; }
+    /// Of a simulation; 62 bits, so that it fits into whatever people write seeds in.
+    std::uint64_t seed(std::uint64_t number) const { return stream(number).bits() >> 2; }
+
+    CalibrationPoint start_point() const {
+        CalibrationPoint point;
+        for (const CalibrationParameter& p : problem_.parameters)
+            point.values.push_back(std::isfinite(p.start) ? p.start : value_of(p, 0.5));
+        for (const CalibrationChoice& c : problem_.choices) point.levels.push_back(c.start);
+        return point;
+    }
+    CalibrationPoint point_at(const Eigen::VectorXd& u, const std::vector<std::size_t>& levels) const {
+        CalibrationPoint point;
+        point.levels = levels;
+        for (std::size_t i = 0; i < plan_.dimension; ++i)
+            point.values.push_back(value_of(problem_.parameters[i], reflected(u[static_cast<Eigen::Index>(i)])));
+        return point;
+    }
+    Eigen::VectorXd unit_point(const CalibrationPoint& point) const {
+        Eigen::VectorXd u(static_cast<Eigen::Index>(plan_.dimension));
+        for (std::size_t i = 0; i < plan_.dimension; ++i)
+            u[static_cast<Eigen::Index>(i)] = unit_of(problem_.parameters[i], point.values[i]);
+        return u;
+    }
+
+    /// Runs a simulation, or takes it from the journal. What is returned holds until the next one.
+    const SimulatedLoss& evaluate(CalibrationStage stage, CalibrationPoint point, std::uint64_t seed,
+                                  std::int64_t repeats) {
+        const CalibrationTask task{stage, std::move(point), seed, repeats};
+        const bool known = done_ < journal_.size();
+        if (known && !(journal_[done_].task == task))
+            throw InputError(
+                "the journal of the calibration belongs to another problem or other settings: its simulation " +
+                std::to_string(done_ + 1) +
+                " is not the one that comes next; restore the settings, or begin anew without it");
+        if (!known) {
+            std::optional<SimulatedLoss> result = function_(task);
+            if (!result) throw Stopped{};
+            SCREE_ASSERT(result->loss.size() == result->floor.size());
+            SCREE_ASSERT(result->loss.empty() || result->loss.size() == problem_.records);
+            journal_.push_back({task, std::move(*result)});
+        }
+        const SimulatedLoss& loss = journal_[done_++].result;
+        const CalibrationFit fit = fit_of(loss, {});
+        if (fit.loss < least_loss_) {
+            least_loss_ = fit.loss;
+            best_gap_ = fit.gap();
+        }
+        if (progress_) progress_({stage, done_, plan_.total(), fit.gap(), best_gap_, known});
+        return loss;
+    }
+
+    /// Over the records with 1, or over all. Infinite where nothing can be said.
+    static CalibrationFit fit_of(const SimulatedLoss& result, const std::vector<char>& records) {
+        CalibrationFit fit{0.0, 0.0};
+        double n = 0.0;
+        for (std::size_t k = 0; k < result.loss.size(); ++k) {
+            if (!records.empty() && !records[k]) continue;
+            fit.loss += result.loss[k];
+            fit.floor += result.floor[k];
+            n += 1.0;
+        }
+        if (n == 0.0 || !std::isfinite(fit.loss)) return {kInfinity, kNaN};
+        return {fit.loss / n, fit.floor / n};
+    }
+
+    // --- search ---
+
+    void search() {
+        for (std::size_t l = 0; l < plan_.levels.size(); ++l) {
+            if (plan_.dimension == 0) {
+                CalibrationSearch alone;
+                alone.begin.levels = alone.end.levels = plan_.levels[l];
+                result_.searches.push_back(alone);
+                continue;
+            }
+            const std::vector<Eigen::VectorXd> starts = screen(plan_.levels[l]);
+            for (std::size_t s = 0; s < starts.size(); ++s) {
+                const std::uint64_t number = kSearchStreams * (1 + l * plan_.starts + s);
+                result_.searches.push_back(descend(starts[s], plan_.levels[l], number));
+            }
+        }
+    }
+
+    /// The best points of a Latin hypercube that are not too close to each other; the uncalibrated model is the first candidate.
+    std::vector<Eigen::VectorXd> screen(const std::vector<std::size_t>& levels) {
+        RandomStream random = stream(kHypercube);
+        std::vector<Eigen::VectorXd> points = latin_hypercube(plan_.dimension, plan_.screening, random);
+        points.front() = unit_point(result_.start);
+        std::vector<std::pair<double, std::size_t>> ranked;
+        for (std::size_t k = 0; k < points.size(); ++k) {
+            const SimulatedLoss& result =
+                evaluate(CalibrationStage::Screening, point_at(points[k], levels), seed(kScreening), s_.search_repeats);
+            ranked.emplace_back(fit_of(result, {}).loss, k);
+        }
+        std::stable_sort(ranked.begin(), ranked.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
+        std::vector<Eigen::VectorXd> starts;
+        for (const double apart : {kApart, 0.0})
+            for (const auto& [loss, k] : ranked) {
+                const auto close = [&](const Eigen::VectorXd& s) { return (s - points[k]).norm() <= apart; };
+                if (starts.size() < plan_.starts && std::none_of(starts.begin(), starts.end(), close))
+                    starts.push_back(points[k]);
+            }
+        return starts;
+    }
+
+    CalibrationSearch descend(const Eigen::VectorXd& from, const std::vector<std::size_t>& levels,
+                              std::uint64_t number) {
+        CmaEs strategy(from, kFirstStep, static_cast<int>(plan_.population), stream(number));
+        for (std::size_t g = 0; g < plan_.generations; ++g) {
+            std::vector<double> losses;
+            for (const Eigen::VectorXd& u : strategy.ask())
+                losses.push_back(fit_of(evaluate(CalibrationStage::Search, point_at(u, levels), seed(number + 1 + g),
+                                                 s_.search_repeats),
+                                        {})
+                                     .loss);
+            strategy.tell(losses);
+        }
+        CalibrationSearch found;
+        found.begin = point_at(from, levels);
+        found.end = point_at(strategy.mean(), levels);
+        return found;
+    }
+
+    /// The ends of all searches against each other, with the same random numbers.
+    void race() {
+        const auto n = static_cast<Eigen::Index>(problem_.records);
+        std::vector<Eigen::VectorXd> losses;
+        for (CalibrationSearch& s : result_.searches) {
+            losses.push_back(Eigen::VectorXd::Zero(n));
+            CalibrationFit mean{0.0, 0.0};
+            for (std::size_t k = 0; k < kRaceSeeds; ++k) {
+                const SimulatedLoss& result =
+                    evaluate(CalibrationStage::Race, s.end, seed(kRace + kMany * (1 + k)), s_.repeats);
+                const CalibrationFit fit = fit_of(result, {});
+                mean.loss += fit.loss / kRaceSeeds;
+                mean.floor += fit.floor / kRaceSeeds;
+                if (!result.loss.empty())
+                    losses.back() += Eigen::Map<const Eigen::VectorXd>(result.loss.data(), n) / kRaceSeeds;
+            }
+            s.fit = mean;
+        }
+        std::vector<std::size_t> order(result_.searches.size());
+        std::iota(order.begin(), order.end(), std::size_t{0});
+        std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
+            return result_.searches[a].fit.loss < result_.searches[b].fit.loss;
+        });
+        if (!std::isfinite(result_.searches[order.front()].fit.loss))
+            throw InputError(
+                "no simulation of the calibration could be held against the measurements: look at the first one with "
+                "scree compare");
+        std::vector<CalibrationSearch> sorted;
+        for (const std::size_t k : order) {
+            sorted.push_back(result_.searches[k]);
+            if (k != order.front() && std::isfinite(sorted.back().fit.loss))
+                sorted.back().behind = interval_of_mean(losses[k] - losses[order.front()]);
+        }
+        result_.searches = std::move(sorted);
+        result_.best = result_.searches.front().end;
+    }
+
+    Interval interval_of_mean(const Eigen::VectorXd& differences) const {
+        RandomStream random = stream(kBehind);
+        std::vector<double> means;
+        for (std::int64_t d = 0; d < kRaceDraws; ++d) {
+            double sum = 0.0;
+            for (std::size_t k = 0; k < problem_.records; ++k)
+                sum += differences[static_cast<Eigen::Index>(random.below(problem_.records))];
+            means.push_back(sum / static_cast<double>(problem_.records));
+        }
+        std::sort(means.begin(), means.end());
+        return {sample_quantile(means, 0.025), sample_quantile(means, 0.975)};
+    }
+
+    // --- surroundings of the best point ---
+
+    struct Looked {
+        std::vector<Eigen::VectorXd> points;
+        std::vector<std::vector<double>> losses;
+    };
+
+    void look_around() {
+        const Eigen::VectorXd half = Eigen::VectorXd::Constant(static_cast<Eigen::Index>(plan_.dimension), kFirstHalf);
+        UnitBox box = box_around(unit_point(result_.best), half);
+        Looked looked;
+        for (std::size_t round = 0; round < kSurroundingRounds; ++round) {
+            const std::size_t first = round * plan_.surroundings / kSurroundingRounds,
+                              last = (round + 1) * plan_.surroundings / kSurroundingRounds;
+            look_into(box, last - first, first, looked);
+            fit_ = fit_of_all(box, looked);
+            spread_ = spread_of_minimum(*fit_, box, problem_.records, s_.draws, stream(kDraws));
+            box_ = box;
+            if (round + 1 < kSurroundingRounds) box = closer_box(spread_);
+        }
+        result_.best.values = point_at(spread_.best, {}).values;
+        describe();
+    }
+
+    void look_into(const UnitBox& box, std::size_t count, std::size_t first, Looked& looked) {
+        RandomStream random = stream(kDesign + kMany * (1 + first));
+        std::size_t number = first;
+        for (const Eigen::VectorXd& u : latin_hypercube(plan_.dimension, count, random)) {
+            const Eigen::VectorXd point = box.centre + box.half.cwiseProduct(2.0 * u - Eigen::VectorXd::Ones(u.size()));
+            const SimulatedLoss& result = evaluate(CalibrationStage::Surroundings, point_at(point, result_.best.levels),
+                                                   seed(kSurroundingStreams + number++), s_.repeats);
+            if (!std::isfinite(fit_of(result, {}).loss)) continue;
+            looked.points.push_back(point);
+            looked.losses.push_back(result.loss);
+        }
+    }
+
+    QuadraticFit fit_of_all(const UnitBox& box, const Looked& looked) const {
+        if (looked.points.size() < QuadraticFit::coefficients(plan_.dimension) + 2)
+            throw InputError(
+                "too few simulations around the best point could be held against the measurements: narrow the ranges "
+                "of the free parameters");
+        Eigen::MatrixXd losses(static_cast<Eigen::Index>(looked.points.size()),
+                               static_cast<Eigen::Index>(problem_.records));
+        for (std::size_t k = 0; k < looked.points.size(); ++k)
+            losses.row(static_cast<Eigen::Index>(k)) = Eigen::Map<const Eigen::RowVectorXd>(
+                looked.losses[k].data(), static_cast<Eigen::Index>(problem_.records));
+        return {looked.points, losses, box};
+    }
+
+    void describe() {
+        const std::vector<CalibrationParameter>& p = problem_.parameters;
+        const auto n = static_cast<Eigen::Index>(problem_.records);
+        const Eigen::VectorXd even = Eigen::VectorXd::Constant(n, 1.0 / static_cast<double>(n));
+        result_.parameters = estimates_of(spread_, p);
+        result_.correlation = correlation_of(spread_);
+        result_.directions = directions_of(spread_);
+        result_.surroundings = {fit_->points(), fit_->noise(even), fit_->explained(even), {}, {}};
+        for (std::size_t i = 0; i < p.size(); ++i) {
+            const auto k = static_cast<Eigen::Index>(i);
+            result_.surroundings.low.push_back(value_of(p[i], box_.centre[k] - box_.half[k]));
+            result_.surroundings.high.push_back(value_of(p[i], box_.centre[k] + box_.half[k]));
+        }
+        for (Eigen::Index d = 0; d < spread_.draws.rows(); ++d)
+            result_.draws.push_back(point_at(spread_.draws.row(d).transpose(), {}).values);
+        for (CalibrationSearch& s : result_.searches) {
+            s.same_minimum = s.end.levels == result_.best.levels;
+            for (std::size_t i = 0; i < p.size() && s.same_minimum; ++i) {
+                const Interval& within = result_.parameters[i].interval;
+                const double slack = 0.5 * (within.high - within.low);
+                s.same_minimum = s.end.values[i] >= within.low - slack && s.end.values[i] <= within.high + slack;
+            }
+        }
+    }
+
+    // --- judgement ---
+
+    void judge() {
+        const auto look = [&](const CalibrationPoint& point) -> const SimulatedLoss& {
+            return evaluate(CalibrationStage::Judgement, point, seed(kJudgement), s_.final_repeats);
+        };
+        const SimulatedLoss start = look(result_.start);
+        result_.start_fit = fit_of(start, {});
+        result_.best_fit = fit_of(look(result_.best), {});
+        if (plan_.folds == 0) return;
+
+        std::vector<std::size_t> shuffled(problem_.records);
+        std::iota(shuffled.begin(), shuffled.end(), std::size_t{0});
+        RandomStream random = stream(kFolds);
+        for (std::size_t k = shuffled.size(); k > 1; --k) std::swap(shuffled[k - 1], shuffled[random.below(k)]);
+        CalibrationFit all{0.0, 0.0}, all_start{0.0, 0.0};
+        const auto add = [&](CalibrationFit& sum, const CalibrationFit& fit, std::size_t records) {
+            const double share = static_cast<double>(records) / static_cast<double>(problem_.records);
+            sum.loss += share * fit.loss;
+            sum.floor += share * fit.floor;
+        };
+        for (std::size_t f = 0; f < plan_.folds; ++f) {
+            CalibrationFold fold;
+            std::vector<char> training(problem_.records, 1), test(problem_.records, 0);
+            for (std::size_t k = f; k < shuffled.size(); k += plan_.folds) {
+                fold.held_out.push_back(shuffled[k]);
+                training[shuffled[k]] = 0;
+                test[shuffled[k]] = 1;
+            }
+            std::sort(fold.held_out.begin(), fold.held_out.end());
+            fold.point = point_at(minimum_for(*fit_, box_, training), result_.best.levels);
+            const SimulatedLoss& result = look(fold.point);
+            fold.training = fit_of(result, training);
+            fold.test = fit_of(result, test);
+            fold.start_test = fit_of(start, test);
+            add(all, fold.test, fold.held_out.size());
+            add(all_start, fold.start_test, fold.held_out.size());
+            result_.folds.push_back(std::move(fold));
+        }
+        result_.held_out = all;
+        result_.held_out_start = all_start;
+    }
+
+    const CalibrationProblem& problem_;
+    const CalibrationSettings& s_;
+    const LossFunction& function_;
+    CalibrationJournal& journal_;
+    const std::function<void(const CalibrationProgress&)>& progress_;
+    Plan plan_;
+    CalibrationResult result_;
+    std::size_t done_ = 0;
+    double least_loss_ = kInfinity, best_gap_ = kNaN;
+    std::optional<QuadraticFit> fit_;
+    MinimumSpread spread_;
+    UnitBox box_;
+};
+
+void check(const CalibrationProblem& problem) {
+    if (problem.records < 2)
+        throw InputError("a calibration needs at least two measured blocks; there are " +
+                         std::to_string(problem.records));
+    if (problem.parameters.empty() && problem.choices.empty())
+        throw InputError("a calibration needs at least one free parameter or choice");
+    for (const CalibrationParameter& p : problem.parameters) {
+        if (!(p.low < p.high))
+            throw InputError("the range of " + p.name + " is empty: its lower end must be below its upper end");
+        if (p.logarithmic && !(p.low > 0.0))
+            throw InputError("the range of " + p.name + " is searched by ratios and must begin above 0");
+        if (std::isfinite(p.start) && (p.start < p.low || p.start > p.high))
+            throw InputError("the value of " + p.name + " lies outside its range: widen the range or change the value");
+    }
+    for (const CalibrationChoice& c : problem.choices)
+        if (c.levels.empty() || c.start >= c.levels.size())
+            throw InputError("the choice " + c.name + " must have levels, and the model's own must be one of them");
+}
+
+}  // namespace
+
+std::size_t planned_evaluations(const CalibrationProblem& problem, const CalibrationSettings& settings) {
+    return Plan(problem, settings).total();
+}
+
+CalibrationResult calibrate(const CalibrationProblem& problem, const CalibrationSettings& settings,
+                            const LossFunction& function, CalibrationJournal& journal,
+                            const std::function<void(const CalibrationProgress&)>& progress) {
+    check(problem);
+    return Calibration(problem, settings, function, journal, progress).run();
+}
+
+}  // namespace scree

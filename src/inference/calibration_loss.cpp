@@ -1,0 +1,184 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "scree/inference/calibration_loss.hpp"
+
+#include "inference/gap_statistic.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+namespace scree {
+
+namespace {
+
+/// Score of an observation and what one more of the members would have on average.
+struct Score {
+    double score = 0.0;
+    double floor = 0.0;
+};
+
+/// Columns together, or, for shares, one after the other.
+std::vector<PointSample> columns_of(const PointSample& points, bool share) {
+    if (!share) return {points};
+    std::vector<PointSample> columns(points.dimension);
+    for (std::size_t k = 0; k < points.values.size(); ++k)
+        columns[k % points.dimension].values.push_back(points.values[k]);
+    return columns;
+}
+
+/// Mean distance of different members.
+double mean_distance(const PointSample& points) {
+    if (points.dimension == 1) return mean_difference(points.values);
+    double sum = 0.0;
+    const auto n = static_cast<double>(points.size());
+    for (std::size_t k = 0; k < points.size(); ++k)
+        for (std::size_t l = 0; l < k; ++l) sum += point_distance(points[k], points[l]);
+    return 2.0 * sum / (n * (n - 1.0));
+}
+
+/// Energy scores against members whose mean distance is known once for all observations.
+class Forecast {
+public:
+    Forecast(PointSample members, bool share) : columns_(columns_of(members, share)) {
+        for (const PointSample& column : columns_) floor_ += 0.5 * mean_distance(column);
+    }
+    Score score(std::span<const double> observation) const {
+        double to_members = 0.0;
+        std::size_t at = 0;
+        for (const PointSample& column : columns_) {
+            const auto own = observation.subspan(at, column.dimension);
+            at += column.dimension;
+            double sum = 0.0;
+            for (std::size_t m = 0; m < column.size(); ++m) sum += point_distance(own, column[m]);
+            to_members += sum / static_cast<double>(column.size());
+        }
+        return {to_members - floor_, floor_};
+    }
+
+private:
+    std::vector<PointSample> columns_;
+    double floor_ = 0.0;
+};
+
+void append(PointSample& sample, const std::vector<double>& point) {
+    sample.values.insert(sample.values.end(), point.begin(), point.end());
+}
+
+/// Half the mean difference of measured values; of shares with half a block on either side, so that nothing weighs infinitely.
+double yardstick(const PointSample& measured, bool share) {
+    double sum = 0.0;
+    for (const PointSample& column : columns_of(measured, share)) {
+        const auto n = static_cast<double>(column.size());
+        if (!share) {
+            sum += 0.5 * mean_distance(column);
+            continue;
+        }
+        double hits = 0.5;
+        for (const double v : column.values) hits += v;
+        const double p = hits / (n + 1.0);
+        sum += p * (1.0 - p);
+    }
+    return sum;
+}
+
+}  // namespace
+
+CalibrationLoss::CalibrationLoss(GapFunction function) : function_(std::move(function)) {
+    records_ = function_.measured().rows();
+    std::vector<double> yardsticks;
+    for (const Observable& observable : function_.observables()) {
+        if (!observable.overall) continue;
+        Part part;
+        part.observable = observable;
+        const double length = observable.counts.empty() ? add_rows(part) : add_counts(part);
+        if (part.records.size() < 2 || !(length > 0.0)) continue;
+        yardsticks.push_back(length);
+        parts_.push_back(std::move(part));
+    }
+    // so that the mean over all records is the mean over the observables of their mean scores in units of the yardstick
+    for (std::size_t k = 0; k < parts_.size(); ++k) {
+        const double share = static_cast<double>(parts_[k].records.size()) / static_cast<double>(records_);
+        parts_[k].weight = 1.0 / (share * yardsticks[k] * static_cast<double>(parts_.size()));
+    }
+}
+
+double CalibrationLoss::add_rows(Part& part) const {
+    const ObservationTable& measured = function_.measured();
+    PointSample points{part.observable.columns.size(), {}};
+    for (std::size_t row = 0; row < measured.rows(); ++row) {
+        std::vector<double> point = point_of(measured, row, part.observable);
+        if (point.empty() || (part.observable.matched && measured.block[row] < 0)) continue;
+        append(points, point);
+        part.records.push_back(row);
+        part.points.push_back(std::move(point));
+    }
+    return part.records.size() < 2 ? 0.0 : yardstick(points, part.observable.share);
+}
+
+double CalibrationLoss::add_counts(Part& part) {
+    const std::vector<ObservedShare>& counts = part.observable.counts;
+    std::int64_t thrown = 0;
+    double length = 0.0;
+    for (const ObservedShare& c : counts) {
+        thrown = std::max(thrown, c.thrown);
+        const double p = (static_cast<double>(c.count) + 0.5) / (static_cast<double>(c.thrown) + 1.0);
+        length += p * (1.0 - p);
+    }
+    // blocks of no name: zone after zone as many as were counted, the rest elsewhere; zones exclude each other if their counts allow it
+    std::int64_t first = 0;
+    part.points.assign(static_cast<std::size_t>(thrown), std::vector<double>(counts.size(), 0.0));
+    for (std::size_t z = 0; z < counts.size(); ++z) {
+        const double share =
+            static_cast<double>(counts[z].count) / static_cast<double>(std::max<std::int64_t>(counts[z].thrown, 1));
+        const auto hits = std::llround(share * static_cast<double>(thrown));
+        for (std::int64_t k = 0; k < hits; ++k) part.points[static_cast<std::size_t>((first + k) % thrown)][z] = 1.0;
+        first += hits;
+    }
+    for (std::int64_t k = 0; k < thrown; ++k) part.records.push_back(records_++);
+    return length;
+}
+
+std::vector<std::string> CalibrationLoss::observables() const {
+    std::vector<std::string> names;
+    for (const Part& part : parts_) names.push_back(part.observable.name);
+    return names;
+}
+
+bool CalibrationLoss::add_scores(const Part& part, const ObservationTable& simulated, SimulatedLoss& loss) const {
+    const Observable& o = part.observable;
+    const std::vector<char> use =
+        balanced_rows(simulated, o.columns.size() > 1 && !o.share ? kMostPoints : simulated.rows());
+    std::map<std::int32_t, PointSample> members;  // by block, or -1: the pool
+    for (std::size_t row = 0; row < simulated.rows(); ++row) {
+        if (!use[row]) continue;
+        const std::vector<double> point = point_of(simulated, row, o);
+        if (point.empty()) continue;
+        PointSample& own = members[o.matched ? simulated.block[row] : -1];
+        own.dimension = o.columns.size();
+        append(own, point);
+    }
+    std::map<std::int32_t, Forecast> forecasts;
+    for (std::size_t k = 0; k < part.records.size(); ++k) {
+        const std::int32_t block = o.matched ? function_.measured().block[part.records[k]] : -1;
+        auto forecast = forecasts.find(block);
+        if (forecast == forecasts.end()) {
+            const auto own = members.find(block);
+            if (own == members.end() || own->second.size() < kLeastRepeats) return false;
+            forecast = forecasts.try_emplace(block, own->second, o.share).first;
+        }
+        const Score score = forecast->second.score(part.points[k]);
+        loss.loss[part.records[k]] += part.weight * score.score;
+        loss.floor[part.records[k]] += part.weight * score.floor;
+    }
+    return true;
+}
+
+SimulatedLoss CalibrationLoss::operator()(const CampaignResult& campaign, std::uint64_t seed) const {
+    const ObservationTable simulated = function_.simulated(campaign, seed);
+    SimulatedLoss loss{std::vector<double>(records_, 0.0), std::vector<double>(records_, 0.0)};
+    for (const Part& part : parts_)
+        if (!add_scores(part, simulated, loss)) return {};
+    return loss;
+}
+
+}  // namespace scree

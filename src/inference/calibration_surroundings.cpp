@@ -1,0 +1,163 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "inference/calibration_surroundings.hpp"
+
+#include <Eigen/Eigenvalues>
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+namespace scree {
+
+namespace {
+
+constexpr double kBeyond = 0.25;  // how far beyond its box a quadratic is believed, in half widths [-]
+constexpr double kSpreads = 4.0;  // half width of a closer box in standard deviations of the minimum [-]
+constexpr double kLeastHalf = 0.04, kMostHalf = 0.5;  // of a box; 0.5 is the whole range [-]
+constexpr double kLow = 0.025, kHigh = 0.975;         // ends of intervals [-]
+constexpr double kOnSide = 1e-6;                      // from the side of a box [-]
+
+/// Sides of the search for a minimum, in z.
+void sides(const UnitBox& box, Eigen::VectorXd& low, Eigen::VectorXd& high) {
+    const Eigen::VectorXd reach = (1.0 + kBeyond) * box.half;
+    low = ((box.centre - reach).cwiseMax(0.0) - box.centre).cwiseQuotient(box.half);
+    high = ((box.centre + reach).cwiseMin(1.0) - box.centre).cwiseQuotient(box.half);
+}
+
+Eigen::MatrixXd covariance_of(const Eigen::MatrixXd& draws) {
+    const Eigen::MatrixXd centred = draws.rowwise() - draws.colwise().mean();
+    return centred.transpose() * centred / static_cast<double>(std::max<Eigen::Index>(draws.rows() - 1, 1));
+}
+
+}  // namespace
+
+MinimumSpread spread_of_minimum(const QuadraticFit& fit, const UnitBox& box, std::size_t records, std::int64_t draws,
+                                RandomStream random) {
+    Eigen::VectorXd low, high;
+    sides(box, low, high);
+    const auto in_cube = [&](const Eigen::VectorXd& z) -> Eigen::VectorXd {
+        return box.centre + box.half.cwiseProduct(z);
+    };
+    const auto n = static_cast<Eigen::Index>(records);
+    Eigen::VectorXd weights = Eigen::VectorXd::Constant(n, 1.0 / static_cast<double>(n));
+    MinimumSpread spread;
+    spread.low = in_cube(low);
+    spread.high = in_cube(high);
+    spread.best = in_cube(least_in_box(fit.quadratic(fit.coefficients_of(weights)), low, high));
+    spread.draws.resize(draws, box.centre.size());
+    for (Eigen::Index d = 0; d < draws; ++d) {
+        weights.setZero();
+        for (Eigen::Index k = 0; k < n; ++k)
+            weights[static_cast<Eigen::Index>(random.below(records))] += 1.0 / static_cast<double>(n);
+        const Eigen::VectorXd coefficients =
+            fit.coefficients_of(weights) + fit.coefficient_error(fit.noise(weights), random);
+        spread.draws.row(d) = in_cube(least_in_box(fit.quadratic(coefficients), low, high)).transpose();
+    }
+    return spread;
+}
+
+Eigen::VectorXd minimum_for(const QuadraticFit& fit, const UnitBox& box, const std::vector<char>& records) {
+    Eigen::VectorXd low, high, weights(static_cast<Eigen::Index>(records.size()));
+    sides(box, low, high);
+    for (std::size_t k = 0; k < records.size(); ++k) weights[static_cast<Eigen::Index>(k)] = records[k] ? 1.0 : 0.0;
+    weights /= weights.sum();
+    const Eigen::VectorXd z = least_in_box(fit.quadratic(fit.coefficients_of(weights)), low, high);
+    return box.centre + box.half.cwiseProduct(z);
+}
+
+UnitBox box_around(const Eigen::VectorXd& u, const Eigen::VectorXd& half) {
+    return {u.cwiseMax(half).cwiseMin(Eigen::VectorXd::Ones(u.size()) - half), half};
+}
+
+UnitBox closer_box(const MinimumSpread& spread) {
+    Eigen::VectorXd half(spread.best.size());
+    for (Eigen::Index i = 0; i < half.size(); ++i) {  // from quantiles: a few draws on the sides must not widen it
+        const auto values = spread.draws.col(i);
+        std::vector<double> sorted(values.begin(), values.end());
+        std::sort(sorted.begin(), sorted.end());
+        const double deviation = 0.5 * (sample_quantile(sorted, 0.84) - sample_quantile(sorted, 0.16));
+        half[i] = std::clamp(kSpreads * deviation, kLeastHalf, kMostHalf);
+    }
+    return box_around(spread.best, half);
+}
+
+std::vector<Eigen::VectorXd> latin_hypercube(std::size_t dimension, std::size_t count, RandomStream& random) {
+    std::vector<Eigen::VectorXd> points(count, Eigen::VectorXd(static_cast<Eigen::Index>(dimension)));
+    std::vector<std::size_t> slice(count);
+    for (std::size_t i = 0; i < dimension; ++i) {
+        std::iota(slice.begin(), slice.end(), std::size_t{0});
+        for (std::size_t k = count; k > 1; --k) std::swap(slice[k - 1], slice[random.below(k)]);
+        for (std::size_t k = 0; k < count; ++k)
+            points[k][static_cast<Eigen::Index>(i)] =
+                (static_cast<double>(slice[k]) + random.uniform()) / static_cast<double>(count);
+    }
+    return points;
+}
+
+double value_of(const CalibrationParameter& p, double u) {
+    if (u <= 0.0) return p.low;
+    if (u >= 1.0) return p.high;
+    return p.logarithmic ? p.low * std::pow(p.high / p.low, u) : p.low + u * (p.high - p.low);
+}
+
+double unit_of(const CalibrationParameter& p, double value) {
+    const double u =
+        p.logarithmic ? std::log(value / p.low) / std::log(p.high / p.low) : (value - p.low) / (p.high - p.low);
+    return std::clamp(u, 0.0, 1.0);
+}
+
+std::vector<ParameterEstimate> estimates_of(const MinimumSpread& spread,
+                                            const std::vector<CalibrationParameter>& parameters) {
+    std::vector<ParameterEstimate> estimates;
+    for (std::size_t i = 0; i < parameters.size(); ++i) {
+        const auto column = static_cast<Eigen::Index>(i);
+        const auto values = spread.draws.col(column);
+        std::vector<double> sorted(values.begin(), values.end());
+        std::sort(sorted.begin(), sorted.end());
+        double low = sample_quantile(sorted, kLow), high = sample_quantile(sorted, kHigh);
+        // a minimum on the side of the box that was looked into may lie anywhere beyond it
+        if (low < spread.low[column] + kOnSide) low = 0.0;
+        if (high > spread.high[column] - kOnSide) high = 1.0;
+        ParameterEstimate e;
+        const double u = spread.best[column];
+        e.value = value_of(parameters[i], u);
+        e.interval = {value_of(parameters[i], std::min(low, u)), value_of(parameters[i], std::max(high, u))};
+        const double length = std::max(high, u) - std::min(low, u);
+        e.identified = length < kWellIdentified  ? Identification::Well
+                       : length < kNotIdentified ? Identification::Weakly
+                                                 : Identification::Not;
+        e.at_low = u < kAtEdge;
+        e.at_high = u > 1.0 - kAtEdge;
+        estimates.push_back(e);
+    }
+    return estimates;
+}
+
+Eigen::MatrixXd correlation_of(const MinimumSpread& spread) {
+    Eigen::MatrixXd c = covariance_of(spread.draws);
+    const Eigen::VectorXd deviation = c.diagonal().cwiseMax(0.0).cwiseSqrt();
+    for (Eigen::Index i = 0; i < c.rows(); ++i)
+        for (Eigen::Index j = 0; j < c.cols(); ++j) {
+            const double scale = deviation[i] * deviation[j];
+            c(i, j) = i == j ? 1.0 : (scale > 0.0 ? c(i, j) / scale : 0.0);
+        }
+    return c;
+}
+
+std::vector<CalibrationDirection> directions_of(const MinimumSpread& spread) {
+    const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(covariance_of(spread.draws));
+    std::vector<CalibrationDirection> directions;
+    for (Eigen::Index k = 0; k < spread.draws.cols(); ++k) {
+        const Eigen::VectorXd axis = solver.eigenvectors().col(k);
+        Eigen::Index largest = 0;
+        axis.cwiseAbs().maxCoeff(&largest);
+        const double sign = axis[largest] < 0.0 ? -1.0 : 1.0;  // eigenvectors have none of their own
+        CalibrationDirection direction;
+        for (const double w : axis) direction.weights.push_back(sign * w);
+        direction.deviation = std::sqrt(std::max(solver.eigenvalues()[k], 0.0));
+        directions.push_back(std::move(direction));
+    }
+    return directions;
+}
+
+}  // namespace scree

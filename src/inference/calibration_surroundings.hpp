@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include "inference/quadratic_fit.hpp"
+
+#include "scree/inference/calibration.hpp"
+
+namespace scree {
+
+/// Minima of the quadratics that records drawn again would give, in the unit cube.
+struct MinimumSpread {
+    Eigen::VectorXd best;       ///< of all records
+    Eigen::MatrixXd draws;      ///< one row per draw
+    Eigen::VectorXd low, high;  ///< where minima were looked for
+};
+
+/// Looks for minima up to a quarter of the box beyond its sides, never beyond the unit cube.
+MinimumSpread spread_of_minimum(const QuadraticFit& fit, const UnitBox& box, std::size_t records, std::int64_t draws,
+                                RandomStream random);
+/// Likewise the minimum for some records, those with 1.
+Eigen::VectorXd minimum_for(const QuadraticFit& fit, const UnitBox& box, const std::vector<char>& records);
+
+/// The box around a minimum in which to look more closely: as wide as its spread asks for.
+UnitBox closer_box(const MinimumSpread& spread);
+/// A box of half widths `half` around `u`, moved into the unit cube.
+UnitBox box_around(const Eigen::VectorXd& u, const Eigen::VectorXd& half);
+
+/// Points spread over the unit cube so that each coordinate meets each of `count` slices once (Latin hypercube: McKay, Beckman & Conover 1979).
+std::vector<Eigen::VectorXd> latin_hypercube(std::size_t dimension, std::size_t count, RandomStream& random);
+
+/// Between the ends of a parameter and [0, 1].
+double value_of(const CalibrationParameter& parameter, double u);
+double unit_of(const CalibrationParameter& parameter, double value);
+
+std::vector<ParameterEstimate> estimates_of(const MinimumSpread& spread,
+                                            const std::vector<CalibrationParameter>& parameters);
+Eigen::MatrixXd correlation_of(const MinimumSpread& spread);
+std::vector<CalibrationDirection> directions_of(const MinimumSpread& spread);
+
+}  // namespace scree

@@ -1,0 +1,166 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// What each measured block loses: proper, in units of the test, on a par with the gaps of a comparison.
+#include "scree/inference/calibration_loss.hpp"
+
+#include "scree/base/random.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numeric>
+
+namespace scree {
+namespace {
+
+constexpr std::size_t kBlocks = 30;
+
+double normal(std::uint64_t number, std::uint64_t use) {
+    return RandomStream(use, number, RandomPurpose::Effect).normal();
+}
+
+/// Blocks stop at 30 m + 1 m per block + shift, with a spread of 4 m, and pass the screen at 8 m/s + shift / 10 m/s, every fourth not.
+CampaignResult campaign_of(double shift, std::size_t repeats, std::uint64_t use = 3, double spread = 1.0) {
+    CampaignResult campaign;
+    for (std::size_t k = 0; k < kBlocks * repeats; ++k) {
+        const auto b = static_cast<double>(k % kBlocks);
+        BlockResult block;
+        block.done = true;
+        block.reason = StopReason::AtRest;
+        block.stop = {30.0 + b + shift + spread * 4.0 * normal(2 * k, use), spread * 3.0 * normal(2 * k + 1, use), 0.0};
+        campaign.blocks.push_back(block);
+        if (k % kBlocks % 4 == 3) continue;
+        ScreenCrossing crossing;
+        crossing.block = static_cast<std::int64_t>(k);
+        const double speed = 8.0 + 0.1 * shift + spread * normal(k, use + 100);
+        crossing.velocity = {speed, 0.0, 0.0};
+        crossing.measured_speed = speed;
+        campaign.crossings.push_back(crossing);
+    }
+    campaign.released = static_cast<std::int64_t>(campaign.blocks.size());
+    return campaign;
+}
+
+Observations test_of(bool matched) {
+    const CampaignResult truth = campaign_of(0.0, 1, 1);
+    Observations o;
+    o.matched = matched;
+    o.thrown = kBlocks;
+    for (std::size_t b = 0; b < kBlocks; ++b) {
+        if (matched) o.blocks.push_back({std::to_string(b), 100.0, {1, 1, 1}, {kNaN, kNaN}});
+        ObservedStop stop;
+        stop.block = matched ? static_cast<std::int32_t>(b) : -1;
+        stop.position = truth.blocks[b].stop;
+        o.stops.push_back(stop);
+    }
+    for (const ScreenCrossing& c : truth.crossings) {
+        ObservedCrossing crossing;
+        crossing.block = matched ? static_cast<std::int32_t>(c.block) : -1;
+        crossing.value = {c.measured_speed, kNaN, kNaN, kNaN};
+        o.crossings.push_back(crossing);
+    }
+    return o;
+}
+
+ObservationOperator test_operator() {
+    ObservationOperator op;
+    op.screens = {"screen"};
+    op.screen_of = {0};
+    return op;
+}
+
+double mean(const std::vector<double>& values) {
+    return std::accumulate(values.begin(), values.end(), 0.0) / static_cast<double>(values.size());
+}
+
+TEST(CalibrationLoss, CountsWhatCountsInTheOverallGap) {
+    const CalibrationLoss known(GapFunction(test_of(true), test_operator()));
+    EXPECT_EQ(known.records(), kBlocks);
+    EXPECT_THAT(known.observables(), ::testing::ElementsAre("stop position", "speed at screen"));
+    const CalibrationLoss pool(GapFunction(test_of(false), test_operator()));
+    // stops and crossings of unknown blocks are records of their own, and the share that passed is as many as were thrown
+    EXPECT_EQ(pool.records(), kBlocks + test_of(false).crossings.size() + kBlocks);
+    EXPECT_THAT(pool.observables(), ::testing::ElementsAre("stop position", "passing screen", "speed at screen"));
+}
+
+TEST(CalibrationLoss, IsOneGapIfNothingDiffersAndLeastAtTheTruth) {
+    for (const bool matched : {true, false}) {
+        const CalibrationLoss loss(GapFunction(test_of(matched), test_operator()));
+        const SimulatedLoss at_truth = loss(campaign_of(0.0, 20), 1);
+        EXPECT_EQ(at_truth.loss.size(), loss.records());
+        EXPECT_NEAR(mean(at_truth.loss) / mean(at_truth.floor), 1.0, 0.25);
+        for (const double shift : {-6.0, 6.0})
+            EXPECT_GT(mean(loss(campaign_of(shift, 20), 1).loss), mean(at_truth.loss));
+        // a model that scatters twice as much has the lower gap and the higher loss: that is why losses are minimised
+        const SimulatedLoss wide = loss(campaign_of(0.0, 20, 3, 2.0), 1);
+        EXPECT_GT(mean(wide.loss), mean(at_truth.loss));
+        EXPECT_LT(mean(wide.loss) / mean(wide.floor), mean(at_truth.loss) / mean(at_truth.floor));
+    }
+}
+
+TEST(CalibrationLoss, OfAPoolDiffersFromItsEnergyDistanceByAConstant) {
+    Observations stops = test_of(false);
+    stops.crossings.clear();
+    ObservationOperator op = test_operator();
+    op.lateral = false;  // one observable: distance along
+    const GapFunction gaps(stops, op);
+    const CalibrationLoss loss(gaps);
+    ASSERT_THAT(loss.observables(), ::testing::ElementsAre("distance along"));
+    // the same campaign shifted: its members differ among themselves as before, so that the distance D = 2 E|x-y| - ... and the score E|x-y| - ... change by
+    // 2 : 1, the latter in units of half the mean difference of what was measured
+    std::vector<double> x;
+    for (const ObservedStop& s : stops.stops) x.push_back(s.position.x());
+    const double yardstick = 0.5 * mean_difference(x);
+    const CampaignResult here = campaign_of(0.0, 5), there = campaign_of(4.0, 5);
+    const auto distance = [&](const CampaignResult& c) {
+        for (const ObservableGap& g : gaps(c, 1).observables)
+            if (g.observable.name == "distance along") return g.pooled.distance;
+        return kNaN;
+    };
+    const double by_distance = distance(there) - distance(here);
+    EXPECT_GT(by_distance, 0.0);
+    EXPECT_NEAR(mean(loss(there, 1).loss) - mean(loss(here, 1).loss), 0.5 * by_distance / yardstick, 1e-9);
+}
+
+TEST(CalibrationLoss, OfCountsFollowsTheShares) {
+    Observations counts;
+    counts.thrown = 40;
+    counts.shares = {{1, 0, 10, 40}, {2, 1, 30, 40}};
+    ObservationOperator op;
+    op.zones = {"upper", "lower"};
+    const std::vector<Vec2> square{{0, 0}, {1, 0}, {1, 1}, {0, 1}};
+    const auto area = [](double x0, double x1) {
+        Polygon polygon;
+        polygon.outer = {{x0, -1}, {x1, -1}, {x1, 1}, {x0, 1}};
+        return Region(MultiPolygon{polygon});
+    };
+    op.zone_areas.emplace_back(0, area(0.0, 10.0));
+    op.zone_areas.emplace_back(1, area(10.0, 20.0));
+    const CalibrationLoss loss(GapFunction(counts, op));
+    EXPECT_EQ(loss.records(), 40U);
+    const auto with_share = [](double upper) {
+        CampaignResult campaign;
+        for (int k = 0; k < 200; ++k) {
+            BlockResult block;
+            block.done = true;
+            block.reason = StopReason::AtRest;
+            block.stop = {k < 200.0 * upper ? 5.0 : 15.0, 0.0, 0.0};
+            campaign.blocks.push_back(block);
+        }
+        return campaign;
+    };
+    // Brier scores: with p measured and q simulated, p (1-q)^2 + (1-p) q^2 - q (1-q) / 199 for both zones, over 2 p' (1-p') with p' = 10.5 / 41
+    const double p = 0.25, yardstick = 2.0 * (10.5 / 41.0) * (30.5 / 41.0);
+    for (const double q : {0.1, 0.25, 0.6}) {
+        const double brier = p * (1.0 - q) * (1.0 - q) + (1.0 - p) * q * q - q * (1.0 - q) / 199.0;
+        EXPECT_NEAR(mean(loss(with_share(q), 1).loss), 2.0 * brier / yardstick, 1e-9) << q;
+    }
+}
+
+TEST(CalibrationLoss, SaysNothingWhereABlockHasTooFewRepeats) {
+    const CalibrationLoss loss(GapFunction(test_of(true), test_operator()));
+    EXPECT_TRUE(loss(campaign_of(0.0, 2), 1).loss.empty());
+}
+
+}  // namespace
+}  // namespace scree
