@@ -41,6 +41,7 @@ public:
     }
     bool over_terrain(const Vec2&) const { return true; }
     bool beyond_rim() const { return false; }
+    bool buried(const Vec2&) const { return false; }
     double radius() const { return radius_; }
     double inner_radius() const { return radius_; }
 
