@@ -180,9 +180,6 @@ TEST(Plane, SaysWhatDoesNotSuit) {
     const Outcome beyond = check_2d({"screens.chainages='far = 900'"});
     EXPECT_EQ(beyond.code, 0);
     EXPECT_THAT(beyond.err, HasSubstr("screen far stands on no profile"));
-    const Outcome merged = check_2d({"profile.spacing=1.5", "profile.converging=merge", "profile.merge_distance=3"});
-    EXPECT_EQ(merged.code, 3);
-    EXPECT_THAT(merged.err, HasSubstr("profile.converging = \"merge\" ends profile"));
     const Outcome thrown = check_2d({"release.speed=2", "release.azimuth_deg=90"});
     EXPECT_THAT(thrown.err, HasSubstr("release.azimuth_deg does not matter in 2D"));
     const Outcome four = check_2d({"model.dimension=4"});
