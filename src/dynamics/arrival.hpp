@@ -16,12 +16,16 @@ inline double arrival(double gap, double rate, double acceleration) {
     return fall > 0.0 ? 2.0 * gap / fall : kInfinity;
 }
 
+/// A bound this near to the guess needs no better one [-].
+inline constexpr double kCloseGuess = 0.95;
+
 /// Lower bound of the same with an acceleration that is at most acceleration + jerk t, and at most `most`: what it can be up to a time counts as
 /// constant up to that time, for two guesses of the time. No longer time is asked for than the horizon.
 inline double arrival(double gap, double rate, double acceleration, double jerk, double most, double horizon) {
     double guess = std::min(arrival(gap, rate, acceleration), horizon), time = 0.0;
     for (int k = 0; k < 2; ++k) {
         time = std::max(time, std::min(guess, arrival(gap, rate, std::min(acceleration + jerk * guess, most))));
+        if (time > kCloseGuess * guess) break;
         guess = std::min(guess, arrival(gap, rate, acceleration + jerk * time));
     }
     return time;

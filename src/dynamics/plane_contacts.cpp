@@ -23,8 +23,8 @@ constexpr double kOdometerShare = 1.0 - 1e-9;
 
 /// Longest flight between two looks at the ground [s].
 constexpr double kLongestFlight = 0.25;
-/// Farthest and nearest that the line ahead is laid [s].
-constexpr double kFarHorizon = 0.5, kNearHorizon = 0.02;
+/// How far ahead the line is laid, and how much of it must be left to use it again [s].
+constexpr double kHorizon = 0.12, kLeastHorizon = 0.08;
 /// Where the ground ends, share of the radius that is flown at most between two looks [-].
 constexpr double kRimShare = 0.25;
 
@@ -322,20 +322,16 @@ double PlaneContacts::free_time(const BlockState<2>& s, double, double gravity, 
     flight.turning = flight.spin * flight.spin * block_.radius;
     flight.jerk = std::abs(flight.spin) * flight.turning;
     double inside = time_in_stretch(flight);
-    if (inside < 0.5 * kNearHorizon) {
+    if (inside < kLeastHorizon) {
         look_ahead(flight);
         inside = time_in_stretch(flight);
     }
     if (!ahead_.whole) inside = std::min(inside, kRimShare * block_.radius / std::max(flight.fastest, 0.1));
-    const double over_line = time_over_line(flight, inside);
-    if (over_line < 0.5 * inside && horizon_ > kNearHorizon) {
-        horizon_ *= 0.5;  // over rough or curved ground a near line lies closer
-        ahead_to_ = -kInfinity;
-    } else if (over_line >= inside) {
-        horizon_ = std::min(2.0 * horizon_, kFarHorizon);
+    const double centre = ahead_.height(flight.position), rate = ahead_.normal.dot(flight.velocity);
+    if (std::isinf(centre)) return inside;
+    if (centre > block_.radius && arrival(centre - block_.radius, rate, gravity * ahead_.normal.y()) >= inside)
         return inside;
-    }
-    return std::max(over_line, time_to_ground(flight, inside, gap));
+    return time_to_ground(flight, inside, gap);
 }
 
 /// How long the block stays over the stretch that the line ahead covers [s]; negative if it is not in it.
@@ -347,30 +343,10 @@ double PlaneContacts::time_in_stretch(const Flight& flight) const {
 }
 
 void PlaneContacts::look_ahead(const Flight& flight) {
-    const double s = flight.position.x(), way = horizon_ * flight.velocity.x(), margin = block_.radius + 1e-3;
+    const double s = flight.position.x(), way = kHorizon * flight.velocity.x(), margin = block_.radius + 1e-3;
     ahead_from_ = s + std::min(way, 0.0) - margin;
     ahead_to_ = s + std::max(way, 0.0) + margin;
     ahead_ = ground_.supporting_line(ahead_from_, ahead_to_);
-}
-
-/// Lower bound of the time until the block reaches the line ahead, at most `inside`.
-double PlaneContacts::time_over_line(const Flight& flight, double inside) {
-    const double centre = ahead_.height(flight.position);
-    if (std::isinf(centre)) return inside;
-    const double rate = ahead_.normal.dot(flight.velocity), fall = flight.gravity * ahead_.normal.y();
-    const double circle = centre > block_.radius ? arrival(centre - block_.radius, rate, fall) : 0.0;
-    if (circle >= inside) return inside;
-    const Vec2 m = flight.rotation.transpose() * ahead_.normal;
-    const double w = flight.spin, most = fall + flight.turning;
-    double time = inside;
-    for (Eigen::Index i = 0; i < block_.vertex_count(); ++i) {
-        const double x = block_.x[i], z = block_.z[i], along = m.x() * x + m.y() * z;
-        const double height = centre + along, approach = rate + w * (m.y() * x - m.x() * z);
-        if (height + std::min(approach, 0.0) * time - 0.5 * most * time * time > 0.0) continue;
-        if (height <= 0.0) return circle;
-        time = arrival(height, approach, fall + w * w * along, flight.jerk, most, time);
-    }
-    return std::max(circle, time);
 }
 
 /// Lower bound of the time until something touches, at most `horizon`, within which the block stays over the stretch of the line ahead.
@@ -418,15 +394,17 @@ double PlaneContacts::time_of_vertex(const Flight& flight, Eigen::Index vertex, 
     };
     gap = std::min(gap, ground_.reach(below_).gap(p));
     look_at(below_, 0.0);
+    // how far it gets to either side meanwhile, at most
+    auto way = [&](double speed) { return (std::max(speed, 0.0) + 0.5 * flight.turning * time) * time; };
     for (std::size_t k = below_ + 1; k < ground_.reach_count(); ++k) {
-        const double entry = arrival(std::max(ground_.reach(k).from - p.x(), 0.0), -u.x(), flight.turning);
-        if (!(entry < time)) break;
-        look_at(k, entry);
+        const double distance = std::max(ground_.reach(k).from - p.x(), 0.0);
+        if (distance > way(u.x())) break;
+        look_at(k, arrival(distance, -u.x(), flight.turning));
     }
     for (std::size_t k = below_; k > 0; --k) {
-        const double entry = arrival(std::max(p.x() - ground_.reach(k).from, 0.0), u.x(), flight.turning);
-        if (!(entry < time)) break;
-        look_at(k - 1, entry);
+        const double distance = std::max(p.x() - ground_.reach(k).from, 0.0);
+        if (distance > way(-u.x())) break;
+        look_at(k - 1, arrival(distance, u.x(), flight.turning));
     }
     return time;
 }

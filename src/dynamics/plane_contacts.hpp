@@ -101,7 +101,6 @@ private:
 
     double time_in_stretch(const Flight& flight) const;
     void look_ahead(const Flight& flight);
-    double time_over_line(const Flight& flight, double inside);
     double time_to_ground(const Flight& flight, double horizon, double& gap);
     double time_of_vertex(const Flight& flight, Eigen::Index vertex, double horizon, double& gap);
     double time_of_crest(const Flight& flight, const NearCrest& crest, double horizon, double& gap);
@@ -122,7 +121,6 @@ private:
     Mat2 last_rotation_ = Mat2::Identity();
     SupportingLine ahead_;                                   ///< over the ground that the flight crosses next
     double ahead_from_ = kInfinity, ahead_to_ = -kInfinity;  ///< where it holds [m]
-    double horizon_ = 0.1;                                   ///< how far ahead it is laid [s]
 };
 
 }  // namespace scree

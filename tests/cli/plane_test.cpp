@@ -187,6 +187,20 @@ TEST(Plane, SaysWhatDoesNotSuit) {
     EXPECT_THAT(four.err, HasSubstr("model.dimension = 4 is not allowed"));
 }
 
+// Blocks would end where their profile is cut off.
+TEST(Plane, MergedProfilesAreAnError) {
+    const TempDir folder;
+    const fs::path guide = folder / "guide.gpkg";
+    write_vector(guide.string(), {.layer = "guide",
+                                  .rows = {{"LINESTRING (890006 6670040, 890060 6670040, 890150 6670040)", "a", {}},
+                                           {"LINESTRING (890006 6670044, 890060 6670040, 890150 6670040)", "b", {}}}});
+    const std::vector<std::string> lines{"profile.mode=line", "profile.guide='" + guide.string() + "'"};
+    EXPECT_EQ(check_2d(lines).code, 0);
+    const Outcome merged = check_2d({lines[0], lines[1], "profile.converging=merge"});
+    EXPECT_EQ(merged.code, 3);
+    EXPECT_THAT(merged.err, HasSubstr("profile.converging = \"merge\" ends profile 2"));
+}
+
 // A profile that passes the release at a distance: nothing to release is an error, not an empty result.
 TEST(Plane, ProfileBesideTheReleaseIsAnError) {
     const TempDir folder;
