@@ -37,8 +37,8 @@ struct ScreenCrossing {
     double energy = 0.0;           ///< kinetic, translation and rotation [J]
     double height = 0.0;           ///< of the centre of mass above the terrain, vertically [m]
     double measured_speed =
-        0.0;  ///< as a film measures it over CampaignInput::screen_span; that at the screen if it is 0 [m/s]
-    double s = kNaN;               ///< 2D: chainage along the block's profile [m]
+        0.0;          ///< as a film measures it over CampaignInput::screen_span; that at the screen if it is 0 [m/s]
+    double s = kNaN;  ///< 2D: chainage along the block's profile [m]
 };
 
 /// An area whose deposits are counted.
@@ -50,9 +50,9 @@ struct DepositZone {
 /// A kept trajectory: centre of mass with time.
 struct KeptTrajectory {
     std::int64_t block = 0;
-    std::vector<Vec3> points;    ///< [m]
-    std::vector<double> times;   ///< since release [s]
-    std::vector<double> speeds;  ///< [m/s]
+    std::vector<Vec3> points;       ///< [m]
+    std::vector<double> times;      ///< since release [s]
+    std::vector<double> speeds;     ///< [m/s]
     std::vector<double> chainages;  ///< 2D [m]
 };
 
