@@ -205,13 +205,13 @@ TEST(PlaneContacts, SmallestGapIsTheDistance) {
 // Nothing touches before the time that free_time gives: flown on in tiny steps, the distance stays positive.
 TEST(PlaneContacts, NothingTouchesInTheFreeTime) {
     RandomStream random(6, 6, RandomPurpose::Effect);
-    for (int k = 0; k < 150; ++k) {
+    for (int k = 0; k < 300; ++k) {
         std::vector<Vec2> corners;
         for (double s = 0.0; s < 40.0; s += random.uniform(0.05, 1.0))
             corners.emplace_back(s, random.uniform(-0.5, 0.5));
         const GroundLine ground = ground_of(corners);
         const ConvexPolygon block = make_polygon({}, {1.0, random.uniform(0.2, 1.0), 0.5}, 100.0, random);
-        PlaneContacts finder(block, ground, false);
+        PlaneContacts finder(block, ground, false, -kInfinity);  // waits for every crest
         BlockState<2> s;
         s.position = {20.0, 0.0};
         s.orientation = random.uniform(0.0, 6.28);
