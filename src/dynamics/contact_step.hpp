@@ -56,6 +56,7 @@ public:
         const std::size_t count = contacts.size();
         rows_.resize(count * kLocal);
         frames_.resize(count);
+        restitution_.resize(count);
         room_ = &rooms_[std::min(count, rooms_.size() - 1)];
         room_->problem.resize(static_cast<int>(count));
         room_->impulse.resize(static_cast<Eigen::Index>(count) * kLocal);
@@ -65,7 +66,15 @@ public:
             const Soil& soil = soils_[contacts[c].soil];
             room_->problem.friction[c] = soil.friction;
             room_->problem.rolling[c] = soil.rolling;
+            restitution_[c] = soil.restitution;
         }
+    }
+
+    /// Replaces what the soil says for contact c: restitution [-], friction [-], rolling resistance [m].
+    void set_law(std::size_t c, double restitution, double friction, double rolling) {
+        restitution_[c] = restitution;
+        room_->problem.friction[c] = friction;
+        room_->problem.rolling[c] = rolling;
     }
 
     /// Normal velocity of contact c [m/s].
@@ -89,8 +98,7 @@ public:
         for (std::size_t c = 0; rule.factor > 0.0 && c < contacts_.size(); ++c) {
             const double before = normal_velocity(c, state);
             if (before < -rule.threshold)
-                problem.free_velocity[static_cast<Eigen::Index>(c) * kLocal] +=
-                    rule.factor * soils_[contacts_[c].soil].restitution * before;
+                problem.free_velocity[static_cast<Eigen::Index>(c) * kLocal] += rule.factor * restitution_[c] * before;
         }
         impulse.setZero();
         if (h > 0.0) guess_from_last_step(h);
@@ -109,6 +117,7 @@ public:
 
     /// Normal impulse of contact c in the last solution [N s].
     double normal_impulse(std::size_t c) const { return room_->impulse[static_cast<Eigen::Index>(c) * kLocal]; }
+    std::span<const Contact<Dim>> contacts() const { return contacts_; }
     const ContactProblem<Dim>& problem() const { return room_->problem; }
     const Eigen::VectorXd& impulse() const { return room_->impulse; }
 
@@ -168,6 +177,7 @@ private:
     std::span<const Contact<Dim>> contacts_;
     std::vector<Row> rows_;                              ///< kLocal for each contact
     std::vector<typename Space<Dim>::Rotation> frames_;  ///< of each contact
+    std::vector<double> restitution_;                    ///< of each contact [-]
     std::array<Room, 6> rooms_;                          ///< for 0 to 4 contacts, the last for more
     Room* room_ = nullptr;                               ///< of the contacts at hand
     std::vector<Memory> memory_;

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "dynamics/contact_step.hpp"
+#include "dynamics/effects/block_effects.hpp"
 #include "dynamics/rigid_motion.hpp"
 
 #include "scree/base/assert.hpp"
@@ -18,7 +19,7 @@ namespace scree {
 /// `Contacts` finds what touches. It offers
 ///     detect(position, rotation, reach, contacts)   all contacts with gap <= reach
 ///     clearance(position, rotation)                 a cheap lower bound of every gap
-///     free_time(state, spin bound, gravity, gap)    how long nothing can touch in flight
+///     free_time(state, spin bound, gravity, drag, gap)   how long nothing can touch in flight
 ///     over_terrain(position), buried(position), beyond_rim(), radius(), inner_radius()
 ///
 /// Event mode, each turn of the loop:
@@ -33,13 +34,21 @@ public:
     using State = BlockState<Dim>;
 
     Engine(const BodyInertia<Dim>& body, Contacts& contacts, std::span<const Soil> soils,
-           const DynamicsSettings& settings, MotionSink<Dim>* sink)
-        : body_(body), finder_(contacts), settings_(settings), sink_(sink), step_(body, soils, settings.solver) {
-        gravity_ = -settings.gravity * Vec::Unit(Dim - 1);
+           const DynamicsSettings& settings, MotionSink<Dim>* sink, BlockEffects<Dim>* effects = nullptr)
+        : body_(body),
+          finder_(contacts),
+          soils_(soils),
+          settings_(settings),
+          sink_(sink),
+          effects_(effects),
+          step_(body, soils, settings.solver) {
+        gravity_ = acceleration_ = -settings.gravity * Vec::Unit(Dim - 1);
     }
 
-    TrajectoryEnd<Dim> run(const State& release) {
+    /// `time` [s] has gone by since the release: for the piece of a block that broke. Ends early, with no reason yet, where the block breaks.
+    TrajectoryEnd<Dim> run(const State& release, double time = 0.0) {
         state_ = release;
+        time_ = time;
         end_.energy_start = energy(state_);
         if (!finder_.over_terrain(state_.position)) {
             finish(StopReason::LeftTerrain);
@@ -49,6 +58,7 @@ public:
             run_moreau_jean();
         }
         end_.time = time_;
+        end_.mass = body_.mass;
         end_.state = state_;
         end_.energy_end = energy(state_);
         return end_;
@@ -74,10 +84,11 @@ private:
         State now = state_, before = state_;
         double flown = 0.0, last = 0.0;
         MotionSegment<Dim> motion = begin_segment(false);
+        const double arc = begin_arc();
         const double spin_bound = std::sqrt(2.0 * rotation_energy(body_, now.spin) / body_.moment.minCoeff());
         while (!finished_) {
             double gap = 0.0;
-            double dt = finder_.free_time(now, spin_bound, settings_.gravity, gap);
+            double dt = finder_.free_time(now, spin_bound, settings_.gravity, drag_, gap);
             ++end_.counters.flight_evaluations;
             if (finder_.beyond_rim()) {
                 finish(StopReason::LeftTerrain);
@@ -95,7 +106,8 @@ private:
                 close_contacts(settings_.activation_gap);
                 if (!closed_.empty()) break;
             }
-            dt = std::min(std::max(dt, kShortestFlight), settings_.time_limit - time_ - flown);
+            if (flown >= arc) break;  // the flight goes on, with another acceleration
+            dt = std::min({std::max(dt, kShortestFlight), settings_.time_limit - time_ - flown, arc - flown});
             State next = flown_state(now, dt);
             if (!finder_.over_terrain(next.position)) {
                 dt = rim_time(now, dt);
@@ -111,14 +123,34 @@ private:
         }
         state_ = now;
         end_segment(motion, flown);
+        meet(motion, flown, flown >= arc && closed_.empty());
+    }
+
+    /// How long the acceleration of the flight from here is constant [s].
+    double begin_arc() {
+        if (!effects_) return kInfinity;
+        const FlightArc<Dim> arc = effects_->flight_arc(state_);
+        acceleration_ = arc.acceleration;
+        drag_ = acceleration_ - gravity_;
+        return arc.duration;
+    }
+
+    /// What the block meets on the way that it has just gone: only effects know of such things.
+    /// `goes_on`: the flight continues as it was foreseen.
+    void meet(const MotionSegment<Dim>& motion, double duration, bool goes_on) {
+        if (!effects_) return;
+        if (!goes_on) effects_->forget_flight();
+        if (duration <= 0.0) return;
+        effects_->moved(motion.position, duration, motion.in_contact, kinetic_energy(body_, state_), state_);
+        if (effects_->held()) finish(StopReason::AtRest);
     }
 
     double fastest_point(const State& s) const { return s.velocity.norm() + s.spin.norm() * finder_.radius(); }
 
     State flown_state(const State& s, double dt) const {
         State next = s;
-        next.position = s.position + dt * s.velocity + 0.5 * dt * dt * gravity_;
-        next.velocity = s.velocity + dt * gravity_;
+        next.position = s.position + dt * s.velocity + 0.5 * dt * dt * acceleration_;
+        next.velocity = s.velocity + dt * acceleration_;
         rotate_freely(body_.moment, settings_.flight_step, dt, next.orientation, next.spin);
         return next;
     }
@@ -184,6 +216,7 @@ private:
         if (!fast) return false;
         ++end_.counters.impacts;
         const State before = state_;
+        if (effects_) prepare_impact();
         const double most = kinetic_energy(body_, before) * (1.0 + kEnergyTolerance);
         ContactSolverReport report;
         auto possible_with = [&](double share) {
@@ -203,7 +236,34 @@ private:
         count(report);
         cap_energy(energy(before));
         if (++impacts_in_a_row_ > kImpactsInARow) finish(StopReason::Failed);
+        if (effects_) {
+            effects_->struck(state_, closed_, approach_);
+            if (effects_->broken()) finished_ = true;  // whoever follows the block goes on with its largest piece
+        }
         return true;
+    }
+
+    /// Effects at an impact: the normals, turned once in an instant, and the law that the contacts follow.
+    void prepare_impact() {
+        approach_.clear();
+        for (std::size_t c = 0; c < closed_.size(); ++c)
+            approach_.push_back(std::max(0.0, -step_.normal_velocity(c, state_)));
+        if (time_ > last_impact_) {
+            struck_ = closed_;
+            if (effects_->tilt(state_, struck_)) step_.set_contacts(struck_, rotation_matrix(state_.orientation));
+        }
+        last_impact_ = time_;
+        change_laws(state_);
+    }
+
+    /// e, mu, mu_r of the contacts at hand as effects change them.
+    void change_laws(const State& s) {
+        const auto contacts = step_.contacts();
+        for (std::size_t c = 0; c < contacts.size(); ++c) {
+            const ContactLaw law =
+                effects_->law(contacts[c], s, std::max(0.0, -step_.normal_velocity(c, s)), soils_[contacts[c].soil]);
+            step_.set_law(c, law.restitution, law.friction, law.rolling);
+        }
     }
 
     /// One step with the closed contacts, not beyond the moment when another contact closes.
@@ -214,6 +274,7 @@ private:
         double h = std::min({settings_.time_step, std::max(settings_.time_limit - time_, 1e-9),
                              kMoveInContact * finder_.inner_radius() / std::max(fastest_point(before), 1e-9)});
         step_.set_contacts(closed_, rotation_matrix(before.orientation));
+        if (effects_) change_laws(before);
         State after = moved(before, h);
         const double closes = first_overlap(before, after, h);
         if (closes <= h) {
@@ -232,6 +293,7 @@ private:
         if (depth > kPenetrationSlop) push_out(energy_before);
         cap_energy(energy_before);
         end_segment(motion, h);
+        meet(motion, h, false);
         if (!finder_.over_terrain(state_.position) || finder_.beyond_rim()) finish(StopReason::LeftTerrain);
         if (time_ >= settings_.time_limit) finish(StopReason::TimeLimit);
         if (!finished_) look_for_rest(h);
@@ -240,11 +302,14 @@ private:
     /// Solves for the velocities over h and moves with the mean velocity (theta = 1/2).
     State moved(const State& before, double h) {
         State after = before;
-        count(step_.solve(h, gravity_, RestitutionRule{}, after));
+        count(step_.solve(h, drive(h, after), RestitutionRule{}, after));
         after.position = before.position + 0.5 * h * (before.velocity + after.velocity);
         after.orientation = turned(before.orientation, Spin(0.5 * h * (before.spin + after.spin)));
         return after;
     }
+
+    /// Acceleration in a step with the closed contacts; drag takes its part of the velocity.
+    Vec drive(double h, State& s) const { return effects_ ? effects_->drive(h, closed_, s) : gravity_; }
 
     /// Deepest overlap of contacts that were not closed during the step; found_ holds all contacts of the pose.
     double new_overlap(const State& s) {
@@ -371,6 +436,7 @@ private:
         s.velocity.setZero();
         s.spin.setZero();
         step_.set_contacts(closed_, rotation_matrix(state_.orientation));
+        if (effects_) change_laws(s);
         count(step_.solve(settings_.time_step, gravity_, RestitutionRule{}, s));
         std::size_t main = 0;
         for (std::size_t c = 1; c < closed_.size(); ++c)
@@ -399,8 +465,9 @@ private:
             MotionSegment<Dim> motion = begin_segment(forecast_contacts(before, h));
             step_.set_contacts(closed_, closed_.empty() ? typename Space<Dim>::Rotation()
                                                         : rotation_matrix(predicted(before, h).orientation));
+            if (effects_) change_laws(before);
             State after = before;
-            count(step_.solve(h, gravity_, RestitutionRule{1.0, 0.0}, after));
+            count(step_.solve(h, drive(h, after), RestitutionRule{1.0, 0.0}, after));
             after.position = before.position + 0.5 * h * (before.velocity + after.velocity);
             after.orientation = turned(before.orientation, Spin(0.5 * h * (before.spin + after.spin)));
             state_ = after;
@@ -413,6 +480,7 @@ private:
             const double rise = (energy(state_) - energy_before) / (body_.mass * settings_.gravity);
             end_.counters.largest_energy_rise = std::max(end_.counters.largest_energy_rise, rise);
             end_segment(motion, h);
+            meet(motion, h, false);
             if (!finder_.over_terrain(state_.position) || finder_.beyond_rim()) finish(StopReason::LeftTerrain);
             if (time_ >= settings_.time_limit) finish(StopReason::TimeLimit);
             if (!finished_ && !closed_.empty()) look_for_rest(h);
@@ -430,11 +498,12 @@ private:
     /// closed_ becomes the contacts whose gap, forecast by half a step with the velocity at the start, is not positive; with the geometry of the
     /// predicted pose, where the scheme takes its operators.
     bool forecast_contacts(const State& s, double h) {
-        if (closed_.empty()) {  // in flight: a gap forecast by half a step closes less than a step early
+        // in flight a gap forecast by half a step closes less than a step early; drag and crossings change flights as they go
+        if (closed_.empty() && !effects_) {
             if (time_ + 2.0 * h <= free_until_) return false;
             const double spin_bound = std::sqrt(2.0 * rotation_energy(body_, s.spin) / body_.moment.minCoeff());
             double gap = 0.0;
-            free_until_ = time_ + finder_.free_time(s, spin_bound, settings_.gravity, gap);
+            free_until_ = time_ + finder_.free_time(s, spin_bound, settings_.gravity, drag_, gap);
             if (time_ + 2.0 * h <= free_until_) return false;
         }
         closed_.clear();
@@ -471,6 +540,7 @@ private:
     MotionSegment<Dim> begin_segment(bool in_contact) const {
         MotionSegment<Dim> m;
         m.start = time_;
+        m.mass = body_.mass;
         m.position = state_.position;
         m.velocity_start = state_.velocity;
         m.spin_start = m.spin_end = state_.spin.norm();
@@ -528,10 +598,15 @@ private:
 
     BodyInertia<Dim> body_;
     Contacts& finder_;
+    std::span<const Soil> soils_;
     DynamicsSettings settings_;
     MotionSink<Dim>* sink_;
+    BlockEffects<Dim>* effects_;  ///< null: none
     ContactStep<Dim> step_;
     Vec gravity_;
+    Vec acceleration_;         ///< of the centre of mass in flight: gravity and drag [m/s^2]
+    Vec drag_ = Vec::Zero();   ///< the part of it that is not gravity [m/s^2]
+    double last_impact_ = -1;  ///< when the block was struck last [s]
     State state_;
     double time_ = 0.0;
     double still_ = 0.0;                    ///< time in equilibrium [s]
@@ -541,7 +616,8 @@ private:
     int impacts_in_a_row_ = 0;
     std::int64_t turns_ = 0;
     bool finished_ = false;
-    std::vector<Contact<Dim>> closed_, previous_, found_;
+    std::vector<Contact<Dim>> closed_, previous_, found_, struck_;
+    std::vector<double> approach_;  ///< of the contacts of an impact, towards the ground [m/s]
     TrajectoryEnd<Dim> end_;
 };
 

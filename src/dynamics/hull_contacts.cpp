@@ -117,7 +117,8 @@ double HullContacts::clearance(const Vec3& position, const Mat3& rotation) {
 
 // ---- flight ------------------------------------------------------------------------------------------------------------------------
 
-double HullContacts::free_time(const BlockState<3>& s, double spin_bound, double gravity, double& gap) {
+double HullContacts::free_time(const BlockState<3>& s, double spin_bound, double gravity, const Vec3& drag,
+                               double& gap) {
     gap = kInfinity;
     const Mat3 rotation = s.orientation.toRotationMatrix();
     const Vec3 torque = block_.inertia.cwiseProduct(s.spin).cross(s.spin);
@@ -127,7 +128,9 @@ double HullContacts::free_time(const BlockState<3>& s, double spin_bound, double
                         kTurningBound * spin_bound * spin_bound * block_.radius,
                         kJerkBound * spin_bound * spin_bound * spin_bound * block_.radius,
                         s.velocity.norm() + s.spin.norm() * block_.radius,
-                        gravity};
+                        gravity,
+                        drag,
+                        drag.norm()};
     const double over_plane = time_over_plane(s.position, rotation, flight);
     if (over_plane > kNearTime) return over_plane;
     return std::max(over_plane, time_to_features(s.position, rotation, flight, gap));
@@ -164,7 +167,7 @@ double HullContacts::time_over_plane(const Vec3& position, const Mat3& rotation,
     if (!ahead_.whole) inside = std::min(inside, kRimShare * block_.radius / std::max(flight.fastest, 0.1));
     const double centre = ahead_.height(position);
     const double rate = ahead_.normal.dot(flight.velocity);
-    const double fall = flight.gravity * ahead_.normal.z();
+    const double fall = flight.fall(ahead_.normal);
     double time = 0.0;
     if (centre > block_.radius) time = std::isinf(centre) ? inside : arrival(centre - block_.radius, rate, fall);
     if (time < inside) {
@@ -188,8 +191,8 @@ double HullContacts::soonest_on_plane(const Mat3& rotation, const Vec3& normal, 
     const Vec3 spin = rotation.transpose() * flight.spin, change = rotation.transpose() * flight.spin_change;
     const Vec3 speeding = n.cross(change) + n.dot(spin) * spin - spin.squaredNorm() * n;
     return soonest_arrival(block_, height_.data(),
-                           {n.cross(spin), normal.dot(flight.velocity), -speeding, flight.gravity * normal.z(),
-                            flight.jerk, flight.gravity * normal.z() + flight.turning, horizon});
+                           {n.cross(spin), normal.dot(flight.velocity), -speeding, flight.fall(normal), flight.jerk,
+                            std::max(flight.fall(normal), 0.0) + flight.turning, horizon});
 }
 
 double HullContacts::time_to_features(const Vec3& position, const Mat3& rotation, const Flight& flight, double& gap) {
@@ -200,10 +203,10 @@ double HullContacts::time_to_features(const Vec3& position, const Mat3& rotation
     detect(position, rotation, reach, near_);
     for (const Contact<3>& c : near_) gap = std::min(gap, c.gap);
     if (gap <= 0.0) return 0.0;
-    const double unlisted = arrival(reach, -flight.fastest, flight.gravity);
+    const double unlisted = arrival(reach, -flight.fastest, flight.gravity + flight.pull);
     double time = unlisted;
     auto look_at = [&](const Contact<3>& c) {
-        const double soonest = arrival(c.gap, -flight.fastest, flight.gravity + flight.turning);
+        const double soonest = arrival(c.gap, -flight.fastest, flight.gravity + flight.pull + flight.turning);
         if (soonest < time)
             time = std::min(time, std::max(soonest, time_of_contact(position, rotation, c, flight, time)));
     };
@@ -237,14 +240,14 @@ double HullContacts::time_of_vertex(const Vec3& p, const Contact<3>& contact, co
            acceleration = -contact.normal.dot(a) / contact.normal.z();
     double steepest = contact.normal.z();
     auto time_now = [&] {
-        return arrival(height, rate, acceleration, flight.jerk / steepest, flight.gravity + flight.turning / steepest,
-                       horizon);
+        return arrival(height, rate, acceleration, flight.jerk / steepest,
+                       flight.gravity + (flight.turning + flight.pull) / steepest, horizon);
     };
     double time = time_now();
     const Vec2 plan = p.head<2>();
     Box2 swept{plan, plan};
     swept.add(plan + time * u.head<2>());
-    swept = swept.grown(0.5 * flight.turning * time * time);
+    swept = swept.grown(0.5 * (flight.turning + flight.pull) * time * time);
     const Vec2 low = ((swept.min - patch_.bin_origin) / patch_.bin_size).array().floor(),
                high = ((swept.max - patch_.bin_origin) / patch_.bin_size).array().floor();
     for (int j = std::max(0, static_cast<int>(low.y())); j <= std::min(patch_.bin_rows - 1, static_cast<int>(high.y()));

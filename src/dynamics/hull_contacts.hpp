@@ -31,8 +31,9 @@ public:
 
     /// How long the block can fly from this state before anything may touch [s], at most kLongestFlight; `gap` is the smallest gap seen, infinite if
     /// the block is far enough not to look. Every point of the block is taken to move towards the terrain with its velocity of now and the largest
-    /// acceleration that torque-free flight with a spin of at most `spin_bound` [rad/s] allows; bounds of second order make the steps long.
-    double free_time(const BlockState<3>& s, double spin_bound, double gravity, double& gap);
+    /// acceleration that torque-free flight with a spin of at most `spin_bound` [rad/s] allows; bounds of second order make the steps long. `drag` is the
+    /// acceleration of the centre of mass beside gravity, constant meanwhile, and slows it down in plan view.
+    double free_time(const BlockState<3>& s, double spin_bound, double gravity, const Vec3& drag, double& gap);
 
     /// False if there is no terrain below the centre of mass: outside the DTM or over a hole.
     bool over_terrain(const Vec3& position);
@@ -61,10 +62,14 @@ private:
         double jerk;       ///< largest rate of change of that [m/s^3]
         double fastest;    ///< largest speed of a point now [m/s]
         double gravity;    ///< [m/s^2]
+        Vec3 drag;         ///< [m/s^2]
+        double pull;       ///< size of the drag [m/s^2]
         Vec3 velocity_at(const Vec3& arm) const { return velocity + spin.cross(arm); }
         Vec3 acceleration_at(const Vec3& arm) const {
-            return spin_change.cross(arm) + spin.cross(spin.cross(arm)) - gravity * Vec3::UnitZ();
+            return spin_change.cross(arm) + spin.cross(spin.cross(arm)) - gravity * Vec3::UnitZ() + drag;
         }
+        /// Acceleration of the centre of mass towards a plane.
+        double fall(const Vec3& normal) const { return gravity * normal.z() - normal.dot(drag); }
     };
     double time_over_plane(const Vec3& position, const Mat3& rotation, const Flight& flight);
     double time_to_features(const Vec3& position, const Mat3& rotation, const Flight& flight, double& gap);

@@ -308,7 +308,7 @@ void PlaneContacts::add_cut_corner(const NearCrest& crest, const Vec2& position,
 
 // ---- flight ------------------------------------------------------------------------------------------------------------------------
 
-double PlaneContacts::free_time(const BlockState<2>& s, double, double gravity, double& gap) {
+double PlaneContacts::free_time(const BlockState<2>& s, double, double gravity, const Vec2& drag, double& gap) {
     gap = kInfinity;
     beyond_rim_ = false;
     Flight flight;
@@ -318,6 +318,8 @@ double PlaneContacts::free_time(const BlockState<2>& s, double, double gravity, 
     flight.velocity = s.velocity;
     flight.spin = s.spin[0];
     flight.gravity = gravity;
+    flight.drag = drag;
+    flight.pull = drag.norm();
     flight.fastest = s.velocity.norm() + std::abs(flight.spin) * block_.radius;
     flight.turning = flight.spin * flight.spin * block_.radius;
     flight.jerk = std::abs(flight.spin) * flight.turning;
@@ -329,7 +331,7 @@ double PlaneContacts::free_time(const BlockState<2>& s, double, double gravity, 
     if (!ahead_.whole) inside = std::min(inside, kRimShare * block_.radius / std::max(flight.fastest, 0.1));
     const double centre = ahead_.height(flight.position), rate = ahead_.normal.dot(flight.velocity);
     if (std::isinf(centre)) return inside;
-    if (centre > block_.radius && arrival(centre - block_.radius, rate, gravity * ahead_.normal.y()) >= inside)
+    if (centre > block_.radius && arrival(centre - block_.radius, rate, flight.fall(ahead_.normal)) >= inside)
         return inside;
     return time_to_ground(flight, inside, gap);
 }
@@ -352,7 +354,7 @@ void PlaneContacts::look_ahead(const Flight& flight) {
 /// Lower bound of the time until something touches, at most `horizon`, within which the block stays over the stretch of the line ahead.
 double PlaneContacts::time_to_ground(const Flight& flight, double horizon, double& gap) {
     const double centre = ahead_.height(flight.position), rate = ahead_.normal.dot(flight.velocity);
-    const double most = flight.gravity * ahead_.normal.y() + flight.turning;
+    const double most = std::max(flight.fall(ahead_.normal), 0.0) + flight.turning;
     const Vec2 m = flight.rotation.transpose() * ahead_.normal;
     below_ = ground_.reach_at(flight.position.x());
     double time = horizon;
@@ -381,40 +383,40 @@ double PlaneContacts::time_of_vertex(const Flight& flight, Eigen::Index vertex, 
         return horizon;  // no look is far away near the rim
     }
     const Vec2 u = flight.velocity + flight.spin * perpendicular(arm);
-    const Vec2 a = -flight.gravity * Vec2::UnitY() - flight.spin * flight.spin * arm;
+    const Vec2 a = -flight.gravity * Vec2::UnitY() - flight.spin * flight.spin * arm + flight.drag;
     below_ = ground_.reach_at(p.x(), below_);
     double time = horizon;
     auto look_at = [&](std::size_t k, double entry) {
         const GroundReach& r = ground_.reach(k);
         const double height = r.gap(p);
         const double closed = height > 0.0 ? arrival(height, r.normal.dot(u), -r.normal.dot(a), flight.jerk,
-                                                     flight.gravity * r.normal.y() + flight.turning, time)
+                                                     std::max(flight.fall(r.normal), 0.0) + flight.turning, time)
                                            : 0.0;
         time = std::min(time, std::max(entry, closed));
     };
     gap = std::min(gap, ground_.reach(below_).gap(p));
     look_at(below_, 0.0);
     // how far it gets to either side meanwhile, at most
-    auto way = [&](double speed) { return (std::max(speed, 0.0) + 0.5 * flight.turning * time) * time; };
+    auto way = [&](double speed) { return (std::max(speed, 0.0) + 0.5 * (flight.turning + flight.pull) * time) * time; };
     for (std::size_t k = below_ + 1; k < ground_.reach_count(); ++k) {
         const double distance = std::max(ground_.reach(k).from - p.x(), 0.0);
         if (distance > way(u.x())) break;
-        look_at(k, arrival(distance, -u.x(), flight.turning));
+        look_at(k, arrival(distance, -u.x(), flight.turning + flight.pull));
     }
     for (std::size_t k = below_; k > 0; --k) {
         const double distance = std::max(p.x() - ground_.reach(k).from, 0.0);
         if (distance > way(-u.x())) break;
-        look_at(k - 1, arrival(distance, u.x(), flight.turning));
+        look_at(k - 1, arrival(distance, u.x(), flight.turning + flight.pull));
     }
     return time;
 }
 
 // As long as one side of the block has the crest on its outer side, the two do not touch. Its distance f = n.(c - x) - d has, with n' = w n^, n^ the normal
-// turned by a right angle, x' = v and x'' = -g:
-//     f' = w n^.(c - x) - n.v,    f'' = -w^2 n.(c - x) - 2 w n^.v + g n_z,    |f'''| <= |w|^3 |c - x| + 3 w^2 |v| + 3 |w| g.
+// turned by a right angle, x' = v and x'' = a, gravity and drag:
+//     f' = w n^.(c - x) - n.v,    f'' = -w^2 n.(c - x) - 2 w n^.v - n.a,    |f'''| <= |w|^3 |c - x| + 3 w^2 |v| + 3 |w| |a|.
 double PlaneContacts::time_of_crest(const Flight& flight, const NearCrest& crest, double horizon, double& gap) {
     const Vec2 arm = crest.point - flight.position;
-    const double distance = arm.norm(), speed = flight.velocity.norm(), g = flight.gravity;
+    const double distance = arm.norm(), speed = flight.velocity.norm(), g = flight.gravity + flight.pull;
     const double speed_then = speed + g * horizon, way = (speed + 0.5 * g * horizon) * horizon;
     if (distance - block_.radius > way) return horizon;
     const SideAt at = side_at(flight.rotation.transpose() * arm);
@@ -432,7 +434,7 @@ double PlaneContacts::time_of_crest(const Flight& flight, const NearCrest& crest
     }
     const double w = flight.spin, size = std::abs(w), reach = distance + way;
     const double rate = w * perpendicular(n).dot(arm) - n.dot(flight.velocity);
-    const double acceleration = w * w * n.dot(arm) + 2.0 * w * perpendicular(n).dot(flight.velocity) - g * n.y();
+    const double acceleration = w * w * n.dot(arm) + 2.0 * w * perpendicular(n).dot(flight.velocity) - flight.fall(n);
     return arrival(at.outside, rate, acceleration,
                    size * size * size * reach + 3.0 * w * w * speed_then + 3.0 * size * g,
                    w * w * reach + 2.0 * size * speed_then + g, horizon);

@@ -32,8 +32,9 @@ public:
 
     /// How long the block can fly from this state before anything may touch [s], at most kLongestFlight; `gap` is the smallest gap seen, infinite if
     /// the block is far enough not to look. In the plane the spin of a flying block is constant, so that gaps and their rates have exact
-    /// derivatives with bounds of third order.
-    double free_time(const BlockState<2>& s, double spin_bound, double gravity, double& gap);
+    /// derivatives with bounds of third order. `drag` is the acceleration of the centre of mass beside gravity, constant meanwhile, and slows it down
+    /// along the profile.
+    double free_time(const BlockState<2>& s, double spin_bound, double gravity, const Vec2& drag, double& gap);
 
     /// False before and beyond the ends of the profile.
     bool over_terrain(const Vec2& position) const { return ground_.contains(position.x()); }
@@ -58,14 +59,18 @@ public:
 private:
     /// The motion in flight.
     struct Flight {
-        Vec2 position;         ///< of the centre of mass [m]
-        Mat2 rotation;         ///< body to local frame [-]
-        Vec2 velocity;         ///< [m/s]
-        double spin = 0.0;     ///< [rad/s]
-        double gravity = 0.0;  ///< [m/s^2]
-        double fastest = 0.0;  ///< largest speed of a point now [m/s]
-        double turning = 0.0;  ///< largest acceleration of a point relative to the centre of mass [m/s^2]
-        double jerk = 0.0;     ///< largest rate of change of that [m/s^3]
+        Vec2 position;             ///< of the centre of mass [m]
+        Mat2 rotation;             ///< body to local frame [-]
+        Vec2 velocity;             ///< [m/s]
+        double spin = 0.0;         ///< [rad/s]
+        double gravity = 0.0;      ///< [m/s^2]
+        Vec2 drag = Vec2::Zero();  ///< acceleration beside gravity [m/s^2]
+        double pull = 0.0;         ///< size of the drag [m/s^2]
+        double fastest = 0.0;      ///< largest speed of a point now [m/s]
+        double turning = 0.0;      ///< largest acceleration of a point relative to the centre of mass [m/s^2]
+        double jerk = 0.0;         ///< largest rate of change of that [m/s^3]
+        /// Acceleration of the centre of mass towards a line.
+        double fall(const Vec2& normal) const { return gravity * normal.y() - normal.dot(drag); }
     };
     /// A crest near the block.
     struct NearCrest {

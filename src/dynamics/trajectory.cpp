@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "scree/dynamics/trajectory.hpp"
 
+#include "dynamics/effects/pieces.hpp"
 #include "dynamics/engine.hpp"
 #include "dynamics/hull_contacts.hpp"
 #include "dynamics/plane_contacts.hpp"
@@ -16,6 +17,38 @@ namespace {
 constexpr double kClearingStep = 0.5;
 /// Farther up no block is looked for a free place [m].
 constexpr double kHighestLift = 1e4;
+
+class SurfaceGround final : public EffectGround<3> {
+public:
+    explicit SurfaceGround(const Surface& surface) : surface_(surface) {}
+    double height(const Vec3& position) const override { return surface_.height(position.head<2>()); }
+    int soil(const Vec3& position) const override {
+        std::array<Vec3, 3> corners;
+        SoilId soil = 0;
+        const std::int64_t facet = surface_.facet_at(position.head<2>());
+        return facet >= 0 && surface_.facet(facet, corners, soil) ? soil : -1;
+    }
+
+private:
+    const Surface& surface_;
+};
+
+class LineGround final : public EffectGround<2> {
+public:
+    explicit LineGround(const GroundLine& line) : line_(line) {}
+    double height(const Vec2& position) const override { return line_.height(position.x()); }
+    int soil(const Vec2& position) const override {
+        return line_.contains(position.x()) ? line_.reach(line_.reach_at(position.x())).soil : -1;
+    }
+
+private:
+    const GroundLine& line_;
+};
+
+bool any_on_motion(const EffectInput& input) {
+    return std::any_of(input.effects.begin(), input.effects.end(),
+                       [](const Effect& e) { return acts_on_motion(e.kind); });
+}
 
 }  // namespace
 
@@ -38,6 +71,8 @@ void TrajectoryCounters::merge(const TrajectoryCounters& o) {
     largest_rise_taken_back = std::max(largest_rise_taken_back, o.largest_rise_taken_back);
     largest_energy_rise = std::max(largest_energy_rise, o.largest_energy_rise);
     largest_penetration = std::max(largest_penetration, o.largest_penetration);
+    crossings_struck += o.crossings_struck;
+    breaks += o.breaks;
     for (std::size_t k = 0; k < penetration.size(); ++k) penetration[k] += o.penetration[k];
 }
 
@@ -53,22 +88,72 @@ double TrajectoryCounters::penetration_quantile(double share) const {
     return 0.0;
 }
 
-TrajectoryEnd<3> simulate_block(const ConvexBlock& block, const BlockState<3>& release, const Surface& surface,
-                                std::span<const Soil> soils, const DynamicsSettings& settings, MotionSink<3>* sink) {
+namespace {
+
+TrajectoryEnd<3> simulate_piece(const ConvexBlock& block, const BlockState<3>& start, double time,
+                                const Surface& surface, std::span<const Soil> soils, const DynamicsSettings& settings,
+                                MotionSink<3>* sink, BlockEffects<3>* effects) {
     const BodyInertia<3> body{block.mass, block.inertia};
     HullContacts contacts(block, surface, settings.vertices_only,
                           settings.mode == SteppingMode::Event ? HullContacts::kPassedBy : -kInfinity);
-    Engine<3, HullContacts> engine(body, contacts, soils, settings, sink);
-    return engine.run(release);
+    Engine<3, HullContacts> engine(body, contacts, soils, settings, sink, effects);
+    return engine.run(start, time);
 }
 
-TrajectoryEnd<2> simulate_block(const ConvexPolygon& block, const BlockState<2>& release, const GroundLine& ground,
-                                std::span<const Soil> soils, const DynamicsSettings& settings, MotionSink<2>* sink) {
+TrajectoryEnd<2> simulate_piece(const ConvexPolygon& block, const BlockState<2>& start, double time,
+                                const GroundLine& ground, std::span<const Soil> soils, const DynamicsSettings& settings,
+                                MotionSink<2>* sink, BlockEffects<2>* effects) {
     const BodyInertia<2> body{block.mass, Space<2>::Spin(block.inertia)};
     PlaneContacts contacts(block, ground, settings.vertices_only,
                            settings.mode == SteppingMode::Event ? PlaneContacts::kPassedBy : -kInfinity);
-    Engine<2, PlaneContacts> engine(body, contacts, soils, settings, sink);
-    return engine.run(release);
+    Engine<2, PlaneContacts> engine(body, contacts, soils, settings, sink, effects);
+    return engine.run(start, time);
+}
+
+ConvexBlock scaled(const ConvexBlock& block, double factor) {
+    return scaled_block(block, factor);
+}
+ConvexPolygon scaled(const ConvexPolygon& block, double factor) {
+    return scaled_polygon(block, factor);
+}
+
+/// The whole block or, where it breaks, piece after piece.
+template <int Dim, class Block, class Terrain, class Ground>
+TrajectoryEnd<Dim> simulate_pieces(const Block& block, const BlockState<Dim>& release, const Terrain& terrain,
+                                   const Ground& ground, std::span<const Soil> soils, const DynamicsSettings& settings,
+                                   MotionSink<Dim>* sink, const EffectInput& effects) {
+    BlockEffects<Dim> at_work(effects, effect_body(block), ground, settings.gravity);
+    Block piece = block;
+    return follow_pieces<Dim>(at_work, release, [&](double factor, const BlockState<Dim>& start, double time) {
+        if (factor < 1.0) piece = scaled(piece, factor);
+        return simulate_piece(piece, start, time, terrain, soils, settings, sink, &at_work);
+    });
+}
+
+}  // namespace
+
+EffectBody effect_body(const ConvexBlock& block) {
+    const Vec3 box(block.x.maxCoeff() - block.x.minCoeff(), block.y.maxCoeff() - block.y.minCoeff(),
+                   block.z.maxCoeff() - block.z.minCoeff());
+    return {block.mass, block.size.minCoeff() > 0.0 ? block.size.mean() : box.mean()};
+}
+
+EffectBody effect_body(const ConvexPolygon& block) {
+    return {block.mass, block.size.mean()};
+}
+
+TrajectoryEnd<3> simulate_block(const ConvexBlock& block, const BlockState<3>& release, const Surface& surface,
+                                std::span<const Soil> soils, const DynamicsSettings& settings, MotionSink<3>* sink,
+                                const EffectInput& effects) {
+    if (!any_on_motion(effects)) return simulate_piece(block, release, 0.0, surface, soils, settings, sink, nullptr);
+    return simulate_pieces<3>(block, release, surface, SurfaceGround(surface), soils, settings, sink, effects);
+}
+
+TrajectoryEnd<2> simulate_block(const ConvexPolygon& block, const BlockState<2>& release, const GroundLine& ground,
+                                std::span<const Soil> soils, const DynamicsSettings& settings, MotionSink<2>* sink,
+                                const EffectInput& effects) {
+    if (!any_on_motion(effects)) return simulate_piece(block, release, 0.0, ground, soils, settings, sink, nullptr);
+    return simulate_pieces<2>(block, release, ground, LineGround(ground), soils, settings, sink, effects);
 }
 
 namespace {

@@ -30,6 +30,21 @@ struct Partial {
     std::vector<HardProblem> hard_problems;
 };
 
+/// What is the same for all blocks, made once.
+struct Prepared {
+    BlockPopulation population;                ///< as effects change it
+    std::vector<GroundLine> grounds;           ///< of the tracks
+    std::vector<std::vector<Effect>> effects;  ///< along each of them
+
+    explicit Prepared(const CampaignInput& input) : population(reshaped(input.population, input.effects)) {
+        for (const Effect& effect : input.effects) check_effect(effect, input.dynamics.mode == SteppingMode::Event);
+        for (const ProfileTrack& track : input.tracks) {
+            grounds.emplace_back(track.profile);
+            effects.push_back(effects_along(input.effects, track.profile));
+        }
+    }
+};
+
 /// What the end of a block adds, whatever it moved in. `cells` is where its cells count, `stop_cell` the one in which it ended, if any.
 template <int Dim>
 void settle(const CampaignInput& input, std::int64_t number, const TrajectoryEnd<Dim>& end, PathRecorder<Dim>& recorder,
@@ -37,6 +52,7 @@ void settle(const CampaignInput& input, std::int64_t number, const TrajectoryEnd
     recorder.finish();
     result.reason = end.reason;
     result.time = end.time;
+    result.mass_left = end.mass;
     result.done = true;
     partial.counters.merge(end.counters);
     for (const ContactProblem<Dim>& problem : end.hard_problems) partial.hard_problems.push_back({number, problem});
@@ -56,21 +72,23 @@ void settle(const CampaignInput& input, std::int64_t number, const TrajectoryEnd
     if (number < input.kept_trajectories) partial.trajectories.push_back(recorder.take_line());
 }
 
-void run_block_in_space(const CampaignInput& input, std::int64_t number, BlockResult& result, Partial& partial) {
+void run_block_in_space(const CampaignInput& input, const Prepared& prepared, std::int64_t number, BlockResult& result,
+                        Partial& partial) {
     const auto key = static_cast<std::uint64_t>(number);
-    const PopulationBlock block = draw_block(input.population, input.seed, key);
+    const PopulationBlock block = draw_block(prepared.population, input.seed, key);
     const Vec2 fixed =
         block.row < 0 ? Vec2::Constant(kNaN) : input.population.list[static_cast<std::size_t>(block.row)].release;
-    const BlockState<3> release = draw_release(input.release, *input.area, *input.surface, block.body, input.seed, key,
-                                               result.feature, result.raised, fixed);
+    BlockState<3> release = draw_release(input.release, *input.area, *input.surface, block.body, input.seed, key,
+                                         result.feature, result.raised, fixed);
+    push_release(input.effects, *input.surface, release);
     result.row = block.row;
     result.mass = block.body.mass;
     result.size = block.body.size;
     result.release = release.position;
 
-    MapRecorder recorder(input, number, block.body.mass, result);
-    const TrajectoryEnd<3> end =
-        simulate_block(block.body, release, *input.surface, input.soils, input.dynamics, &recorder);
+    MapRecorder recorder(input, number, result);
+    const TrajectoryEnd<3> end = simulate_block(block.body, release, *input.surface, input.soils, input.dynamics,
+                                                &recorder, {input.effects, input.seed, key});
     result.stop = end.state.position;
     const GridShape& grid = input.result_cells;
     const int column = grid.column_of(result.stop.x()), row = grid.row_of(result.stop.y());
@@ -78,15 +96,16 @@ void run_block_in_space(const CampaignInput& input, std::int64_t number, BlockRe
     settle(input, number, end, recorder, 0, cell, result, partial);
 }
 
-void run_block_on_profile(const CampaignInput& input, std::span<const GroundLine> grounds, std::int64_t number,
+void run_block_on_profile(const CampaignInput& input, const Prepared& prepared, std::int64_t number,
                           BlockResult& result, Partial& partial) {
     const auto key = static_cast<std::uint64_t>(number);
-    const PopulationPolygon block = draw_polygon(input.population, input.seed, key);
+    const PopulationPolygon block = draw_polygon(prepared.population, input.seed, key);
     const ProfileRelease::Place place = input.profile_release->draw(input.seed, key);
     const ProfileTrack& track = input.tracks[place.profile];
-    const GroundLine& ground = grounds[place.profile];
-    const BlockState<2> release =
-        draw_release(input.release, place.s, ground, block.body, input.seed, key, result.raised);
+    const GroundLine& ground = prepared.grounds[place.profile];
+    const std::vector<Effect>& effects = prepared.effects[place.profile];
+    BlockState<2> release = draw_release(input.release, place.s, ground, block.body, input.seed, key, result.raised);
+    push_release(effects, track.profile, release);
     auto on_map = [&](const Vec2& p) -> Vec3 {
         const Vec2 plan = track.profile.place_at(p.x());
         return {plan.x(), plan.y(), p.y()};
@@ -99,8 +118,9 @@ void run_block_on_profile(const CampaignInput& input, std::span<const GroundLine
     result.release_s = place.s;
     result.release = on_map(release.position);
 
-    ProfileRecorder recorder(input, track, ground, number, block.body.mass, result);
-    const TrajectoryEnd<2> end = simulate_block(block.body, release, ground, input.soils, input.dynamics, &recorder);
+    ProfileRecorder recorder(input, track, ground, number, result);
+    const TrajectoryEnd<2> end =
+        simulate_block(block.body, release, ground, input.soils, input.dynamics, &recorder, {effects, input.seed, key});
     result.stop = on_map(end.state.position);
     result.stop_s = end.state.position.x();
     const auto cell = static_cast<std::size_t>(std::max(0.0, result.stop_s / input.cell_along));
@@ -140,8 +160,7 @@ CampaignResult run_campaign(const CampaignInput& input, const CampaignProgress& 
                             const std::atomic<bool>& stop) {
     const bool in_plane = !input.tracks.empty();
     SCREE_ASSERT(in_plane ? input.profile_release != nullptr : input.surface && input.area);
-    std::vector<GroundLine> grounds;
-    for (const ProfileTrack& track : input.tracks) grounds.emplace_back(track.profile);
+    const Prepared prepared(input);
     CampaignResult result;
     result.blocks.resize(static_cast<std::size_t>(input.release.count));
     const int threads =
@@ -157,9 +176,9 @@ CampaignResult run_campaign(const CampaignInput& input, const CampaignProgress& 
                               if (stop.load(std::memory_order_relaxed)) return;
                               BlockResult& block = result.blocks[static_cast<std::size_t>(i)];
                               if (in_plane)
-                                  run_block_on_profile(input, grounds, i, block, partial);
+                                  run_block_on_profile(input, prepared, i, block, partial);
                               else
-                                  run_block_in_space(input, i, block, partial);
+                                  run_block_in_space(input, prepared, i, block, partial);
                               ++done;
                               if (progress && progress_mutex.try_lock()) {
                                   const std::lock_guard<std::mutex> lock(progress_mutex, std::adopt_lock);

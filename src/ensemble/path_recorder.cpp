@@ -14,17 +14,16 @@ constexpr double kLineDistance = 0.25;
 constexpr double kLineTime = 0.2;  ///< [s]
 
 template <int Dim>
-double energy_at(const MotionSegment<Dim>& m, double mass, double s) {
-    return 0.5 * mass * velocity_at(m, s).squaredNorm() + std::max(m.rotation_energy_start, m.rotation_energy_end);
+double energy_at(const MotionSegment<Dim>& m, double s) {
+    return 0.5 * m.mass * velocity_at(m, s).squaredNorm() + std::max(m.rotation_energy_start, m.rotation_energy_end);
 }
 
 }  // namespace
 
 template <int Dim>
-PathRecorder<Dim>::PathRecorder(const CampaignInput& input, std::int64_t block, double mass, BlockResult& result)
+PathRecorder<Dim>::PathRecorder(const CampaignInput& input, std::int64_t block, BlockResult& result)
     : input_(input),
       block_(block),
-      mass_(mass),
       result_(result),
       crossed_(input.screens.size(), false),
       span_speed_(input.screen_span),
@@ -38,7 +37,7 @@ void PathRecorder<Dim>::segment(const MotionSegment<Dim>& m) {
     const double v0 = m.velocity_start.norm(), vm = velocity_at(m, 0.5).norm(), v1 = m.velocity_end.norm();
     result_.path_length += m.duration / 6.0 * (v0 + 4.0 * vm + v1);
     result_.largest_speed = std::max({result_.largest_speed, v0, v1});  // the square of the speed is convex in time
-    result_.largest_energy = std::max({result_.largest_energy, energy_at(m, mass_, 0.0), energy_at(m, mass_, 1.0)});
+    result_.largest_energy = std::max({result_.largest_energy, energy_at(m, 0.0), energy_at(m, 1.0)});
     cross_cells(m);
     if (!crossed_.empty()) {
         fresh_.clear();
@@ -59,7 +58,7 @@ void PathRecorder<Dim>::raise_cell(std::size_t cell, const MotionSegment<Dim>& m
         double& v = values[static_cast<std::size_t>(quantity)];
         v = std::max(v, value);
     };
-    raise(CellQuantity::KineticEnergy, std::max(energy_at(m, mass_, from), energy_at(m, mass_, to)));
+    raise(CellQuantity::KineticEnergy, std::max(energy_at(m, from), energy_at(m, to)));
     raise(CellQuantity::Speed, std::max(velocity_at(m, from).norm(), velocity_at(m, to).norm()));
     raise(CellQuantity::Spin, std::max(m.spin_start, m.spin_end));
     raise(CellQuantity::PassingHeight, largest_height(m, from, to));
@@ -76,7 +75,7 @@ void PathRecorder<Dim>::add_crossing(std::size_t screen, const MotionSegment<Dim
     c.position = on_map(position);
     c.velocity = velocity_on_map(position, velocity);
     c.spin = m.spin_start + share * (m.spin_end - m.spin_start);
-    c.energy = 0.5 * mass_ * velocity.squaredNorm() + m.rotation_energy_start +
+    c.energy = 0.5 * m.mass * velocity.squaredNorm() + m.rotation_energy_start +
                share * (m.rotation_energy_end - m.rotation_energy_start);
     c.height = position[Dim - 1] - ground(position);
     c.measured_speed = velocity.norm();
@@ -108,8 +107,8 @@ template class PathRecorder<3>;
 
 // ---- on the map --------------------------------------------------------------------------------------------------------------------
 
-MapRecorder::MapRecorder(const CampaignInput& input, std::int64_t block, double mass, BlockResult& result)
-    : PathRecorder(input, block, mass, result) {
+MapRecorder::MapRecorder(const CampaignInput& input, std::int64_t block, BlockResult& result)
+    : PathRecorder(input, block, result) {
     for (const Screen& screen : input.screens) {
         Box2 box;
         for (const Vec2& p : screen.line) box.add(p);
@@ -204,8 +203,8 @@ void MapRecorder::cross_screens(const MotionSegment<3>& m) {
 // ---- along a profile ---------------------------------------------------------------------------------------------------------------
 
 ProfileRecorder::ProfileRecorder(const CampaignInput& input, const ProfileTrack& track, const GroundLine& ground,
-                                 std::int64_t block, double mass, BlockResult& result)
-    : PathRecorder(input, block, mass, result),
+                                 std::int64_t block, BlockResult& result)
+    : PathRecorder(input, block, result),
       track_(track),
       ground_(ground),
       cell_count_(cells_along(track.profile, input.cell_along)) {}

@@ -27,7 +27,7 @@ public:
     KeptTrajectory take_line() { return std::move(line_); }
 
 protected:
-    PathRecorder(const CampaignInput& input, std::int64_t block, double mass, BlockResult& result);
+    PathRecorder(const CampaignInput& input, std::int64_t block, BlockResult& result);
 
     virtual void cross_cells(const MotionSegment<Dim>& m) = 0;
     virtual void cross_screens(const MotionSegment<Dim>& m) = 0;
@@ -48,7 +48,6 @@ private:
     void keep_line(const MotionSegment<Dim>& m);
 
     std::int64_t block_;
-    double mass_;  ///< [kg]
     BlockResult& result_;
     std::unordered_map<std::size_t, CellValues> cells_;
     CellValues* last_values_ = nullptr;  ///< of the cell raised last
@@ -64,7 +63,7 @@ private:
 /// On the map: cells of the result grid, screens as lines in plan.
 class MapRecorder final : public PathRecorder<3> {
 public:
-    MapRecorder(const CampaignInput& input, std::int64_t block, double mass, BlockResult& result);
+    MapRecorder(const CampaignInput& input, std::int64_t block, BlockResult& result);
 
 private:
     void cross_cells(const MotionSegment<3>& m) override;
@@ -81,7 +80,7 @@ private:
 class ProfileRecorder final : public PathRecorder<2> {
 public:
     ProfileRecorder(const CampaignInput& input, const ProfileTrack& track, const GroundLine& ground, std::int64_t block,
-                    double mass, BlockResult& result);
+                    BlockResult& result);
 
 private:
     void cross_cells(const MotionSegment<2>& m) override;

@@ -1,9 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "scree/ensemble/population.hpp"
 
+#include "scree/base/error.hpp"
 #include "scree/base/random.hpp"
 
+#include <algorithm>
 #include <cmath>
+#include <string>
 
 namespace scree {
 
@@ -63,6 +66,41 @@ Measures draw_measures(const BlockPopulation& population, std::uint64_t seed, st
 }
 
 }  // namespace
+
+namespace {
+
+/// Mean number of corners of a shape times the factor; sharp and round blocks become hulls with as many.
+void scale_corners(ShapeSettings& shape, double factor) {
+    if (factor == 1.0) return;
+    if (shape.shape == BlockShape::Sharp || shape.shape == BlockShape::Round) {
+        shape.points = shape.shape == BlockShape::Sharp ? kSharpPoints : kRoundPoints;
+        shape.shape = BlockShape::Hull;
+    }
+    if (shape.shape != BlockShape::Hull && shape.shape != BlockShape::Ellipsoid)
+        throw InputError(
+            std::string("effect block_shape: blocks of the shape \"") +
+            kBlockShapeNames[static_cast<std::size_t>(shape.shape)] +
+            "\" have no free number of corners: leave out corners, or take hull, sharp, round or ellipsoid");
+    shape.points = std::max(4, static_cast<int>(std::lround(factor * shape.points)));
+}
+
+}  // namespace
+
+BlockPopulation reshaped(const BlockPopulation& population, std::span<const Effect> effects) {
+    BlockPopulation result = population;
+    for (const Effect& effect : effects) {
+        if (effect.kind != EffectKind::BlockShape) continue;
+        scale_corners(result.shape, effect.value("corners"));
+        if (result.list.empty() && effect.value("corners") != 1.0) result.filling = mean_filling(result.shape);
+        const double longer = effect.value("elongation"), flatter = effect.value("flatness");
+        const double middle = std::cbrt(flatter / longer);  // on L2, so that the product of the three factors is 1
+        for (BlockRow& row : result.list)
+            row.size = row.size.cwiseProduct(Vec3(longer * middle, middle, middle / flatter));
+        for (double& ratio : result.distribution.ratio_21) ratio /= longer;
+        for (double& ratio : result.distribution.ratio_32) ratio /= flatter;
+    }
+    return result;
+}
 
 PopulationBlock draw_block(const BlockPopulation& population, std::uint64_t seed, std::uint64_t block) {
     RandomStream shape_random(seed, block, RandomPurpose::Shape);

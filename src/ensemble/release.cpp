@@ -147,4 +147,49 @@ BlockState<3> draw_release(const ReleaseSettings& settings, const ReleaseArea& a
     return state;
 }
 
+namespace {
+
+/// Slopes under a block are those between points so far on either side [m].
+constexpr double kSlopeBase = 2.0;
+/// Gentler ground is level [-].
+constexpr double kLevel = 1e-6;
+
+bool pushes(std::span<const Effect> effects) {
+    return std::any_of(effects.begin(), effects.end(),
+                       [](const Effect& e) { return e.kind == EffectKind::ReleaseMotion; });
+}
+
+}  // namespace
+
+void push_release(std::span<const Effect> effects, const Surface& surface, BlockState<3>& state) {
+    if (!pushes(effects)) return;
+    const Vec2 p = state.position.head<2>();
+    Vec2 fall;
+    for (int k = 0; k < 2; ++k)
+        fall[k] = (surface.height(p - kSlopeBase * Vec2::Unit(k)) - surface.height(p + kSlopeBase * Vec2::Unit(k))) /
+                  (2.0 * kSlopeBase);
+    if (!fall.allFinite() || fall.norm() < kLevel) return;
+    const Vec3 down = Vec3(fall.x(), fall.y(), -fall.squaredNorm()).normalized();
+    const Vec3 across = Vec3::UnitZ().cross(down).normalized();  // rolling downhill turns about it
+    for (const Effect& effect : effects) {
+        if (effect.kind != EffectKind::ReleaseMotion) continue;
+        state.velocity += effect.value("speed") * down;
+        state.spin += effect.value("spin") * (state.orientation.conjugate() * across);
+    }
+}
+
+void push_release(std::span<const Effect> effects, const Profile& profile, BlockState<2>& state) {
+    if (!pushes(effects)) return;
+    const double s = state.position.x();
+    const double fall = (profile.height_at(s - kSlopeBase) - profile.height_at(s + kSlopeBase)) / (2.0 * kSlopeBase);
+    if (!std::isfinite(fall) || std::abs(fall) < kLevel) return;
+    const double sign = fall > 0.0 ? 1.0 : -1.0;
+    const Vec2 down = Vec2(sign, -std::abs(fall)).normalized();
+    for (const Effect& effect : effects) {
+        if (effect.kind != EffectKind::ReleaseMotion) continue;
+        state.velocity += effect.value("speed") * down;
+        state.spin[0] -= sign * effect.value("spin");  // angles count from x to z
+    }
+}
+
 }  // namespace scree

@@ -180,6 +180,19 @@ std::vector<Vec3> shape_points(const ShapeSettings& settings, RandomStream& rand
 
 }  // namespace
 
+ConvexBlock scaled_block(const ConvexBlock& block, double factor) {
+    ConvexBlock b = block;
+    const double volume = factor * factor * factor;
+    for (Eigen::ArrayXd* lengths : {&b.x, &b.y, &b.z, &b.offset}) *lengths *= factor;
+    b.mass *= volume;
+    b.volume *= volume;
+    b.inertia *= volume * factor * factor;
+    b.size *= factor;
+    b.radius *= factor;
+    b.inner_radius *= factor;
+    return b;
+}
+
 ConvexBlock make_block_from_points(const std::vector<Vec3>& points, double mass) {
     return block_from_hull(convex_hull(points), mass);
 }

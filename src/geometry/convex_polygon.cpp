@@ -168,6 +168,18 @@ AreaProperties area_properties(const std::vector<Vec2>& outline) {
     return result;
 }
 
+ConvexPolygon scaled_polygon(const ConvexPolygon& block, double factor) {
+    ConvexPolygon b = block;
+    for (Eigen::ArrayXd* lengths : {&b.x, &b.z, &b.offset}) *lengths *= factor;
+    b.mass *= factor * factor * factor;
+    b.area *= factor * factor;
+    b.inertia *= std::pow(factor, 5);
+    b.size *= factor;
+    b.radius *= factor;
+    b.inner_radius *= factor;
+    return b;
+}
+
 ConvexPolygon make_polygon_from_points(const std::vector<Vec2>& points, double mass) {
     ConvexPolygon polygon = polygon_from_outline(convex_outline(points), mass);
     const double l1 = polygon.x.maxCoeff() - polygon.x.minCoeff(), l2 = polygon.z.maxCoeff() - polygon.z.minCoeff();

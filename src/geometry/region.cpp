@@ -80,6 +80,27 @@ bool Region::contains(const Vec2& p) const {
     return false;
 }
 
+double Region::first_border(const Vec2& from, const Vec2& to) const {
+    Box2 box;
+    box.add(from);
+    box.add(to);
+    if (edges_.empty() || !bounds_.overlaps(box)) return kInfinity;
+    double first = kInfinity;
+    const Vec2 way = to - from;
+    for (int band = band_of(box.min.y()); band <= band_of(box.max.y()); ++band) {
+        for (const int e : bands_[static_cast<std::size_t>(band)]) {
+            const Edge& edge = edges_[static_cast<std::size_t>(e)];
+            const Vec2 side = edge.b - edge.a, w = edge.a - from;
+            const double determinant = way.x() * side.y() - way.y() * side.x();
+            if (determinant == 0.0) continue;  // along the edge: its neighbours are met
+            const double s = (w.x() * side.y() - w.y() * side.x()) / determinant,
+                         r = (w.x() * way.y() - w.y() * way.x()) / determinant;
+            if (s > 0.0 && s <= 1.0 && r >= 0.0 && r <= 1.0) first = std::min(first, s);
+        }
+    }
+    return first;
+}
+
 Vec2 Region::sample(RandomStream& random) const {
     SCREE_ASSERT(area_ > 0.0);
     // First a polygon by its share of the area, then rejection in that polygon's box.

@@ -135,14 +135,18 @@ DynamicsSettings fuzz_settings() {
     return settings;
 }
 
-FuzzOutcome fuzz_block(const FuzzScene& scene, const DynamicsSettings& settings) {
+FuzzOutcome fuzz_block(const FuzzScene& scene, const DynamicsSettings& settings, std::span<const Effect> effects) {
     FuzzOutcome outcome;
     DepthWatch watch(*scene.surface);
-    outcome.end = simulate_block(scene.block, scene.release, *scene.surface, scene.soils, settings, &watch);
+    outcome.end =
+        simulate_block(scene.block, scene.release, *scene.surface, scene.soils, settings, &watch, {effects, 77, 0});
     const TrajectoryEnd<3>& end = outcome.end;
     outcome.deepest_centre = watch.deepest();
     if (end.reason == StopReason::AtRest) {
-        HullContacts finder(scene.block, *scene.surface, settings.vertices_only);
+        const ConvexBlock left = end.mass < scene.block.mass
+                                     ? scaled_block(scene.block, std::cbrt(end.mass / scene.block.mass))
+                                     : scene.block;
+        HullContacts finder(left, *scene.surface, settings.vertices_only);
         std::vector<Contact<3>> contacts;
         finder.detect(end.state.position, end.state.orientation.toRotationMatrix(), 0.0, contacts);
         for (const auto& c : contacts) outcome.rest_penetration = std::max(outcome.rest_penetration, -c.gap);

@@ -30,7 +30,7 @@ struct FuzzOutcome {
     double rest_penetration = 0.0;  ///< deepest overlap where it came to rest [m]
     std::string fault;              ///< what must not be; empty if nothing
 };
-FuzzOutcome fuzz_block(const FuzzScene& scene, const DynamicsSettings& settings);
+FuzzOutcome fuzz_block(const FuzzScene& scene, const DynamicsSettings& settings, std::span<const Effect> effects = {});
 
 /// Settings of the fuzz: the defaults, with an end after 30 s.
 DynamicsSettings fuzz_settings();

@@ -132,14 +132,19 @@ PlaneFuzzScene plane_fuzz_scene(std::uint64_t number) {
     return scene;
 }
 
-PlaneFuzzOutcome plane_fuzz_block(const PlaneFuzzScene& scene, const DynamicsSettings& settings) {
+PlaneFuzzOutcome plane_fuzz_block(const PlaneFuzzScene& scene, const DynamicsSettings& settings,
+                                  std::span<const Effect> effects) {
     PlaneFuzzOutcome outcome;
     DepthWatch watch(scene.ground);
-    outcome.end = simulate_block(scene.block, scene.release, scene.ground, scene.soils, settings, &watch);
+    outcome.end =
+        simulate_block(scene.block, scene.release, scene.ground, scene.soils, settings, &watch, {effects, 77, 0});
     const TrajectoryEnd<2>& end = outcome.end;
     outcome.deepest_centre = watch.deepest();
     if (end.reason == StopReason::AtRest) {
-        PlaneContacts finder(scene.block, scene.ground, settings.vertices_only);
+        const ConvexPolygon left = end.mass < scene.block.mass
+                                       ? scaled_polygon(scene.block, std::cbrt(end.mass / scene.block.mass))
+                                       : scene.block;
+        PlaneContacts finder(left, scene.ground, settings.vertices_only);
         std::vector<Contact<2>> contacts;
         finder.detect(end.state.position, rotation_matrix(end.state.orientation), 0.0, contacts);
         for (const auto& c : contacts) outcome.rest_penetration = std::max(outcome.rest_penetration, -c.gap);

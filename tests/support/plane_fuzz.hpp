@@ -29,6 +29,7 @@ struct PlaneFuzzOutcome {
     double rest_penetration = 0.0;  ///< deepest overlap where it came to rest [m]
     std::string fault;              ///< what must not be; empty if nothing
 };
-PlaneFuzzOutcome plane_fuzz_block(const PlaneFuzzScene& scene, const DynamicsSettings& settings);
+PlaneFuzzOutcome plane_fuzz_block(const PlaneFuzzScene& scene, const DynamicsSettings& settings,
+                                  std::span<const Effect> effects = {});
 
 }  // namespace scree::test

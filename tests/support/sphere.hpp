@@ -27,10 +27,13 @@ public:
         if (c.gap <= reach) contacts.push_back(c);
     }
     double clearance(const Vec3& position, const Mat3&) const { return normal_.dot(position) - radius_; }
-    double free_time(const BlockState<3>& s, double, double gravity, double& gap) const {
+    double free_time(const BlockState<3>& s, double, double gravity, const Vec3& drag, double& gap) const {
         gap = clearance(s.position, Mat3::Identity());
-        const double rate = normal_.dot(s.velocity), fall = gravity * normal_.z();
-        return gap > 0.0 ? 2.0 * gap / (std::sqrt(rate * rate + 2.0 * fall * gap) - rate) : 0.0;
+        const double rate = normal_.dot(s.velocity), fall = gravity * normal_.z() - normal_.dot(drag);
+        const double root = rate * rate + 2.0 * fall * gap;
+        if (gap <= 0.0) return 0.0;
+        const double closing = root >= 0.0 ? std::sqrt(root) - rate : 0.0;
+        return closing > 0.0 ? 2.0 * gap / closing : kInfinity;
     }
     bool over_terrain(const Vec3&) const { return true; }
     bool beyond_rim() const { return false; }

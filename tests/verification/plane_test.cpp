@@ -34,7 +34,7 @@ public:
         if (c.gap <= reach) contacts.push_back(c);
     }
     double clearance(const Vec2& position, const Mat2&) const { return normal_.dot(position) - radius_; }
-    double free_time(const BlockState<2>& s, double, double gravity, double& gap) const {
+    double free_time(const BlockState<2>& s, double, double gravity, const Vec2&, double& gap) const {
         gap = clearance(s.position, Mat2::Identity());
         const double rate = normal_.dot(s.velocity), fall = gravity * normal_.y();
         return gap > 0.0 ? 2.0 * gap / (std::sqrt(rate * rate + 2.0 * fall * gap) - rate) : 0.0;

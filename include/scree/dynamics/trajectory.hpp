@@ -3,6 +3,7 @@
 
 #include "scree/base/units.hpp"
 #include "scree/dynamics/contact_solver.hpp"
+#include "scree/dynamics/effects.hpp"
 #include "scree/dynamics/soil.hpp"
 #include "scree/dynamics/state.hpp"
 #include "scree/geometry/convex_block.hpp"
@@ -57,6 +58,7 @@ struct MotionSegment {
     using Vec = typename Space<Dim>::Vec;
     double start = 0.0;                  ///< time since release [s]
     double duration = 0.0;               ///< [s]
+    double mass = 0.0;                   ///< of the block, or of what is left of it [kg]
     Vec position = Vec::Zero();          ///< of the centre of mass at the start [m]
     Vec velocity_start = Vec::Zero();    ///< [m/s]
     Vec velocity_end = Vec::Zero();      ///< [m/s]
@@ -90,7 +92,9 @@ struct TrajectoryCounters {
     double largest_rise_taken_back = 0.0;  ///< the largest of these rises, as height of fall [m]
     double largest_energy_rise =
         0.0;  ///< largest rise of energy that a step or impact was left with, as height of fall [m]
-    double largest_penetration = 0.0;  ///< [m]
+    double largest_penetration = 0.0;   ///< [m]
+    std::int64_t crossings_struck = 0;  ///< trees and nets that took energy
+    std::int64_t breaks = 0;            ///< how often a block broke
     /// Steps in contact by deepest penetration: bin k counts depths in [10^(k/4 - 6), 10^((k+1)/4 - 6)) m, bin 0 all below 10^-5.75.
     std::array<std::int64_t, 28> penetration{};
 
@@ -104,6 +108,7 @@ template <int Dim>
 struct TrajectoryEnd {
     StopReason reason = StopReason::Failed;
     double time = 0.0;           ///< since release [s]
+    double mass = 0.0;           ///< of what arrived: less than at the start if the block broke [kg]
     BlockState<Dim> state;       ///< at the end
     double energy_start = kNaN;  ///< kinetic plus potential, height 0 of the local frame [J]
     double energy_end = kNaN;    ///< [J]
@@ -112,15 +117,20 @@ struct TrajectoryEnd {
 };
 
 /// Throws one block and follows it until it rests, leaves the terrain, runs out of time or the computation fails.
-/// Deterministic: the same input gives the same numbers. `soils` is indexed by the surface's SoilId.
+/// Deterministic: the same input gives the same numbers. `soils` is indexed by the surface's SoilId. Effects on motion act, others are left alone;
+/// they must have passed check_effect.
 TrajectoryEnd<3> simulate_block(const ConvexBlock& block, const BlockState<3>& release, const Surface& surface,
                                 std::span<const Soil> soils, const DynamicsSettings& settings,
-                                MotionSink<3>* sink = nullptr);
+                                MotionSink<3>* sink = nullptr, const EffectInput& effects = {});
+
+/// What effects know of a block: its edges, or those of the box along its axes where it was made from points.
+EffectBody effect_body(const ConvexBlock& block);
+EffectBody effect_body(const ConvexPolygon& block);
 
 /// The same in the plane (s, z) of a profile. The block ends as LeftTerrain where it passes an end of the profile.
 TrajectoryEnd<2> simulate_block(const ConvexPolygon& block, const BlockState<2>& release, const GroundLine& ground,
                                 std::span<const Soil> soils, const DynamicsSettings& settings,
-                                MotionSink<2>* sink = nullptr);
+                                MotionSink<2>* sink = nullptr, const EffectInput& effects = {});
 
 /// Smallest upward shift [m] after which no part of the block is closer to the terrain than `gap` [m]; 0 if it is free already.
 double clearing_lift(const ConvexBlock& block, const BlockState<3>& state, const Surface& surface, double gap);

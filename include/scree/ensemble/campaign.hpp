@@ -69,6 +69,7 @@ struct BlockResult {
     std::int64_t row = -1;        ///< row of the block list, -1 if none [-]
     std::int64_t feature = 0;     ///< release feature [-]
     double mass = 0.0;            ///< [kg]
+    double mass_left = 0.0;       ///< at the end: less if the block broke [kg]
     Vec3 size = Vec3::Zero();     ///< L1, L2, L3 [m]
     Vec3 release = Vec3::Zero();  ///< centre of mass at the start [m]
     double raised = 0.0;          ///< how far the block was lifted to start free of the ground [m]
@@ -103,6 +104,8 @@ inline std::size_t cells_along(const Profile& profile, double cell) {
 struct CampaignInput {
     const Surface* surface = nullptr;  ///< 3D
     std::vector<Soil> soils;           ///< indexed by SoilId
+    /// All that is switched on, as on the map. Those of the terrain are in it already, those of measurements are for whoever compares.
+    std::vector<Effect> effects;
     DynamicsSettings dynamics;
     BlockPopulation population;
     ReleaseSettings release;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include "scree/dynamics/effects.hpp"
 #include "scree/geometry/convex_block.hpp"
 #include "scree/geometry/convex_polygon.hpp"
 
@@ -48,6 +49,10 @@ struct BlockPopulation {
     double filling =
         0.5;  ///< 2D without a list: share of its box that a block fills, from mean_filling(); smaller makes larger polygons [-]
 };
+
+/// The population as effects of the kind block_shape make it: other corners, other ratios of the edges at the same volume. Throws InputError where the shape
+/// has no free number of corners.
+BlockPopulation reshaped(const BlockPopulation& population, std::span<const Effect> effects);
 
 /// A block of the campaign with the row that it came from.
 struct PopulationBlock {

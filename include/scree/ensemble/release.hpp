@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include "scree/dynamics/effects.hpp"
 #include "scree/dynamics/state.hpp"
 #include "scree/geometry/convex_block.hpp"
 #include "scree/geometry/feature.hpp"
@@ -68,5 +69,10 @@ private:
 BlockState<3> draw_release(const ReleaseSettings& settings, const ReleaseArea& area, const Surface& surface,
                            const ConvexBlock& block, std::uint64_t seed, std::uint64_t number, std::int64_t& feature,
                            double& raised, const Vec2& fixed = Vec2::Constant(kNaN));
+
+/// What effects of the kind release_motion add to the start: speed along the steepest fall of the ground under the block, spin about the horizontal
+/// across it. Where the ground is level or ends nothing is added.
+void push_release(std::span<const Effect> effects, const Surface& surface, BlockState<3>& state);
+void push_release(std::span<const Effect> effects, const Profile& profile, BlockState<2>& state);
 
 }  // namespace scree

@@ -80,6 +80,9 @@ inline constexpr int kRoundPoints = 40;
 ///   ellipsoid: a polyhedron of `points` evenly spread vertices, stretched to the box.
 ConvexBlock make_block(const ShapeSettings& settings, const Vec3& size, double mass, RandomStream& random);
 
+/// The same block with all lengths times `factor` > 0, of the same density: a piece of the same form.
+ConvexBlock scaled_block(const ConvexBlock& block, double factor);
+
 /// A block from given points in any frame, with no stretching.
 ConvexBlock make_block_from_points(const std::vector<Vec3>& points, double mass);
 

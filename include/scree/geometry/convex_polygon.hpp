@@ -52,6 +52,9 @@ struct ConvexPolygon {
 ///   file: the outline of the file's points seen along their third axis, stretched to the box.
 ConvexPolygon make_polygon(const ShapeSettings& settings, const Vec3& size, double mass, RandomStream& random);
 
+/// The same polygon with all lengths times `factor` > 0, of a piece of the same form and density: mass times factor cubed.
+ConvexPolygon scaled_polygon(const ConvexPolygon& block, double factor);
+
 /// A polygon from given points in any frame, with no stretching; `size` is that of their box, L3 that of L2.
 ConvexPolygon make_polygon_from_points(const std::vector<Vec2>& points, double mass);
 

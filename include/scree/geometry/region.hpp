@@ -20,6 +20,9 @@ public:
     /// Sum of the polygons' areas [m^2].
     double area() const { return area_; }
     Box2 bounds() const { return bounds_; }
+    /// Share in (0, 1] of the way from one point to another at which a boundary is met first, infinite if none is. Boundaries inside the region, where
+    /// polygons overlap, count too.
+    double first_border(const Vec2& from, const Vec2& to) const;
     /// A point drawn uniformly by area. The region must not be empty.
     Vec2 sample(RandomStream& random) const;
 

@@ -1,0 +1,382 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "dynamics/effects/block_effects.hpp"
+
+#include "dynamics/effects/formulas.hpp"
+
+#include "scree/base/units.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+namespace scree {
+
+namespace {
+
+using namespace effect_formula;
+
+/// A flight is taken this far beyond a border or an obstacle, so that the next piece begins behind it [m].
+constexpr double kPast = 1e-4;
+/// A shorter piece takes another way by as little as its end is off: it could fall short of the border for ever [s].
+constexpr double kLeastPiece = 1e-5;
+/// Longest piece of a flight without drag where something may lie in the way [s].
+constexpr double kLongestWatch = 0.25;
+/// Streams of one block: the kind of the effect and its number among those of that kind stand above the block number, which has 40 bits.
+constexpr int kKindBits = 48, kNumberBits = 40;
+
+RandomStream stream_of(const EffectInput& input, EffectKind kind, std::uint64_t number) {
+    return {input.seed,
+            input.block | (static_cast<std::uint64_t>(kind) << kKindBits) | ((number & 0xff) << kNumberBits),
+            RandomPurpose::Effect};
+}
+
+/// Where the way from a to b enters the circle, as a share in (0, 1] of it; infinite if it does not. `offset`: how far the way passes from the
+/// centre over the radius.
+double entry(const Vec2& a, const Vec2& b, const Vec2& centre, double radius, double& offset) {
+    const Vec2 way = b - a, w = a - centre;
+    const double length = way.norm();
+    if (length == 0.0 || w.squaredNorm() <= radius * radius) return kInfinity;
+    const double along = -w.dot(way) / length, beside = (w.x() * way.y() - w.y() * way.x()) / length;
+    if (std::abs(beside) >= radius) return kInfinity;
+    const double s = (along - std::sqrt(radius * radius - beside * beside)) / length;
+    offset = std::abs(beside) / radius;
+    return s > 0.0 && s <= 1.0 ? s : kInfinity;
+}
+
+}  // namespace
+
+template <int Dim>
+BlockEffects<Dim>::BlockEffects(const EffectInput& input, const EffectBody& body, const EffectGround<Dim>& ground,
+                                double gravity)
+    : body_(body), ground_(ground), gravity_(-gravity * Vec::Unit(Dim - 1)) {
+    std::array<std::uint64_t, kEffectKinds> number{};
+    for (const Effect& effect : input.effects) {
+        if (!acts_on_motion(effect.kind)) continue;
+        const EffectInfo& info = effect_info(effect.kind);
+        Part part{effect.kind, info.hook, &effect.place, effect.values,
+                  stream_of(input, effect.kind, number[static_cast<std::size_t>(effect.kind)]++)};
+        if (effect.kind == EffectKind::Trees) draw_next_tree(part);
+        parts_.push_back(part);
+        watches_flight_ = watches_flight_ || info.hook == EffectHook::Force || info.hook == EffectHook::Crossing;
+    }
+    std::stable_partition(parts_.begin(), parts_.end(), [](const Part& p) { return p.kind == EffectKind::SoilPatch; });
+}
+
+// ---- contact law and impacts -------------------------------------------------------------------------------------------------------
+
+template <int Dim>
+ContactLaw BlockEffects<Dim>::law(const Contact<Dim>& contact, const State& s, double approach,
+                                  const Soil& soil) const {
+    ContactLaw law{soil.restitution, soil.friction, soil.rolling};
+    for (const Part& p : parts_) {
+        if (p.hook != EffectHook::ContactLaw || !p.place->covers(contact.soil, plan(s.position + contact.arm)))
+            continue;
+        const auto& v = p.value;
+        switch (p.kind) {
+            case EffectKind::SoilPatch:
+                if (!std::isnan(v[0])) law.restitution = v[0];
+                if (!std::isnan(v[1])) law.friction = v[1];
+                if (!std::isnan(v[2])) law.rolling = v[2];
+                break;
+            case EffectKind::RestitutionPfeifferBowen:
+                law.restitution = pfeiffer_bowen(law.restitution, approach, v[0]);
+                break;
+            case EffectKind::RestitutionHalfSpeed:
+                law.restitution = half_speed(law.restitution, approach, v[0]);
+                break;
+            case EffectKind::RestitutionMass:
+                law.restitution = restitution_of_mass(law.restitution, body_.mass, v[1], v[0]);
+                break;
+            case EffectKind::SlipFriction:
+                law.friction = slip_friction(law.friction, p.memory, v[0], v[1]);
+                break;
+            case EffectKind::RollingSpeed:
+                law.rolling = rolling_of_speed(law.rolling, s.velocity.norm(), v[0], v[1]);
+                break;
+            case EffectKind::RollingSize:
+                law.rolling = rolling_of_size(law.rolling, body_.length, v[1], v[0]);
+                break;
+            case EffectKind::LowFriction:
+                law.friction = std::min(law.friction, v[0]);
+                break;
+            default:
+                break;
+        }
+    }
+    return law;
+}
+
+template <int Dim>
+bool BlockEffects<Dim>::tilt(const State& s, std::vector<Contact<Dim>>& contacts) {
+    bool tilted = false;
+    for (Part& p : parts_) {
+        if (p.kind != EffectKind::Roughness || p.value[0] <= 0.0) continue;
+        const double largest = std::atan(2.0 * p.value[0] / body_.length);
+        Eigen::Matrix<double, Dim, Dim> turn;
+        bool drawn = false;
+        for (Contact<Dim>& c : contacts) {
+            if (!p.place->covers(c.soil, plan(s.position + c.arm))) continue;
+            if (!drawn) {  // one turn for all contacts of the impact, about an axis in the tangent plane of the first
+                if constexpr (Dim == 3) {
+                    const double angle = p.random.uniform(0.0, largest),
+                                 direction = p.random.uniform(0.0, 2.0 * std::numbers::pi);
+                    const Vec3 axis = Eigen::AngleAxisd(direction, c.normal) * c.normal.unitOrthogonal();
+                    turn = Eigen::AngleAxisd(angle, axis).toRotationMatrix();
+                } else {
+                    turn = Eigen::Rotation2Dd(p.random.uniform(-largest, largest)).toRotationMatrix();
+                }
+                drawn = true;
+            }
+            c.normal = (turn * c.normal).normalized();
+            tilted = true;
+        }
+    }
+    return tilted;
+}
+
+template <int Dim>
+void BlockEffects<Dim>::struck(const State& s, std::span<const Contact<Dim>> contacts,
+                               std::span<const double> approach) {
+    for (Part& p : parts_) {
+        if (p.kind != EffectKind::ScarDrag && p.kind != EffectKind::Fragmentation) continue;
+        double fastest = 0.0;
+        for (std::size_t c = 0; c < contacts.size(); ++c)
+            if (p.place->covers(contacts[c].soil, plan(s.position + contacts[c].arm)))
+                fastest = std::max(fastest, approach[c]);
+        if (fastest <= 0.0) continue;
+        if (p.kind == EffectKind::ScarDrag) {
+            const double left = p.memory * std::max(0.0, 1.0 - p.memory2 / body_.length);
+            p.memory = std::min(std::max(left, scar_depth(body_.mass, 1e6 * p.value[1], fastest)), 0.5 * body_.length);
+            p.memory2 = 0.0;
+        } else if (!broken_ && fastest >= p.value[0] && p.memory < p.value[2]) {
+            p.memory += 1.0;
+            broken_ = true;
+            piece_ = p.value[1];
+        }
+    }
+}
+
+template <int Dim>
+double BlockEffects<Dim>::take_piece() {
+    const double factor = std::cbrt(piece_);
+    body_.mass *= piece_;
+    body_.length *= factor;
+    ++breaks_;
+    broken_ = false;
+    second_.reset();
+    return factor;
+}
+
+// ---- forces ------------------------------------------------------------------------------------------------------------------------
+
+template <int Dim>
+bool BlockEffects<Dim>::acts_on_flight_at(const Part& p, const Vec& position) const {
+    if (!p.place->covers(p.place->soil < 0 ? -1 : ground_.soil(position), plan(position))) return false;
+    if (p.kind == EffectKind::ForestDrag) return height_over_ground(position) <= p.value[1];
+    if (p.kind == EffectKind::Trees) return height_over_ground(position) <= p.value[3];
+    return true;
+}
+
+/// Quadratic drag of the scar that the block is in [1/m].
+template <int Dim>
+double BlockEffects<Dim>::scar_drag(const Part& p) const {
+    const double depth = p.memory * std::max(0.0, 1.0 - p.memory2 / body_.length);
+    return 0.5 * p.value[0] * p.value[2] * scar_area(0.5 * body_.length, depth) / body_.mass;
+}
+
+template <int Dim>
+Drag BlockEffects<Dim>::drag_at(const Vec& position) const {
+    Drag drag;
+    for (const Part& p : parts_) {
+        if (p.hook != EffectHook::Force || !acts_on_flight_at(p, position)) continue;
+        if (p.kind == EffectKind::AirDrag)
+            drag.quadratic +=
+                0.5 * p.value[1] * p.value[0] * 0.25 * std::numbers::pi * body_.length * body_.length / body_.mass;
+        else
+            drag.linear += p.value[0] / body_.mass;
+    }
+    return drag;
+}
+
+template <int Dim>
+Drag BlockEffects<Dim>::drag_in_contact(std::span<const Contact<Dim>> contacts, const Vec& position) const {
+    Drag drag;
+    for (const Part& p : parts_) {
+        if (p.hook != EffectHook::ContactForce) continue;
+        if (std::none_of(contacts.begin(), contacts.end(),
+                         [&](const Contact<Dim>& c) { return p.place->covers(c.soil, plan(position + c.arm)); }))
+            continue;
+        if (p.kind == EffectKind::GroundDrag) drag.linear += p.value[0];
+        if (p.kind == EffectKind::GroundDragQuadratic) drag.quadratic += p.value[0];
+        if (p.kind == EffectKind::ScarDragReduced) drag.quadratic += p.value[0] / body_.length;
+        if (p.kind == EffectKind::ScarDrag) drag.quadratic += scar_drag(p);
+    }
+    return drag;
+}
+
+template <int Dim>
+typename BlockEffects<Dim>::Vec BlockEffects<Dim>::drive(double h, std::span<const Contact<Dim>> contacts,
+                                                         State& s) const {
+    Drag drag = drag_in_contact(contacts, s.position);
+    if (watches_flight_) drag += drag_at(s.position);
+    const double x = drag.rate(s.velocity.norm()) * h;
+    if (x <= 0.0) return gravity_;
+    s.velocity *= std::exp(-x);
+    return gravity_ * (-std::expm1(-x) / x);
+}
+
+template <int Dim>
+FlightArc<Dim> BlockEffects<Dim>::flight_arc(const State& s) {
+    if (!watches_flight_) return {gravity_, kInfinity};
+    if (second_) {
+        const FlightArc<Dim> arc = *second_;
+        second_.reset();
+        return arc;
+    }
+    const Drag drag = drag_at(s.position);
+    const double longest = drag.none() ? kLongestWatch : DragFlight<Dim>::longest(drag, gravity_, s.velocity);
+    DragFlight<Dim> flight(drag, gravity_, s, longest);
+    const double change = change_time(s, flight);
+    if (change < flight.duration()) flight = DragFlight<Dim>(drag, gravity_, s, std::max(change, kLeastPiece));
+    if (flight.second.duration > 0.0) second_ = flight.second;
+    return flight.first;
+}
+
+// ---- on the way --------------------------------------------------------------------------------------------------------------------
+
+/// Share of the way at which the next tree of known position is met, infinite if none is; `offset` over (L + DBH) / 2.
+template <int Dim>
+double BlockEffects<Dim>::next_tree(const Part& p, const Vec& from, const Vec& to, double& offset) const {
+    const double radius = 0.5 * (body_.length + p.value[0]);
+    const Points& trees = p.place->points;
+    const double low = std::min(from.x(), to.x()) - radius, high = std::max(from.x(), to.x()) + radius;
+    double first = kInfinity;
+    for (auto tree =
+             std::lower_bound(trees.begin(), trees.end(), low, [](const Vec3&t, double x) { return t.x() < x; });
+         tree != trees.end() && tree->x() <= high; ++tree) {
+        double beside = 0.0, s = kInfinity;
+        if constexpr (Dim == 3) {
+            s = entry(from.template head<2>(), to.template head<2>(), tree->template head<2>(), radius, beside);
+        } else {  // where the profile passes it
+            beside = std::abs(tree->y()) / radius;
+            s = (tree->x() - from.x()) / (to.x() - from.x());
+            if (!(beside < 1.0 && s > 0.0 && s <= 1.0)) s = kInfinity;
+        }
+        if (s < first) {
+            first = s;
+            offset = beside;
+        }
+    }
+    return first;
+}
+
+/// Share of the way in plan at which something begins, ends or stands, infinite if there is nothing.
+template <int Dim>
+double BlockEffects<Dim>::first_change(const Vec& from, const Vec& to) const {
+    double first = kInfinity;
+    for (const Part& p : parts_) {
+        if (p.hook != EffectHook::Force && p.hook != EffectHook::Crossing) continue;
+        first = std::min(first, p.place->first_border(plan(from), plan(to)));
+        if (p.kind == EffectKind::Net) first = std::min(first, p.place->first_line(plan(from), plan(to)));
+        if (p.kind != EffectKind::Trees) continue;
+        double offset = 0.0;
+        if (!p.place->points.empty())
+            first = std::min(first, next_tree(p, from, to, offset));
+        else if (acts_on_flight_at(p, from))
+            first = std::min(first, p.memory / std::max((plan(to) - plan(from)).norm(), 1e-300));
+    }
+    return first;
+}
+
+/// When, on this flight, the block comes to where an effect begins, ends or strikes; a little later, so that it is behind it then. Infinite if it does
+/// not. In plan view the flight is straight.
+template <int Dim>
+double BlockEffects<Dim>::change_time(const State& s, const DragFlight<Dim>& flight) const {
+    const double whole = flight.duration();
+    const Vec end = flight.position(s, whole);
+    const auto first_time = [&](auto reached) {
+        double low = 0.0, high = whole;
+        for (int k = 0; k < 60; ++k) {
+            const double middle = 0.5 * (low + high);
+            (reached(middle) ? high : low) = middle;
+        }
+        return high;
+    };
+    double time = kInfinity;
+    const double share = first_change(s.position, end);
+    if (share <= 1.0) {
+        const double way = share * (plan(end) - plan(s.position)).norm() + kPast;
+        time = first_time([&](double t) { return (plan(flight.position(s, t)) - plan(s.position)).norm() >= way; });
+    }
+    for (const Part& p : parts_) {  // the canopy
+        if (p.kind != EffectKind::ForestDrag && p.kind != EffectKind::Trees) continue;
+        const double height = p.kind == EffectKind::ForestDrag ? p.value[1] : p.value[3];
+        const bool below = height_over_ground(s.position) <= height;
+        if ((height_over_ground(end) <= height) != below)
+            time = std::min(time, first_time([&](double t) {
+                                return (height_over_ground(flight.position(s, t)) <= height) != below;
+                            }));
+    }
+    return time;
+}
+
+template <int Dim>
+void BlockEffects<Dim>::draw_next_tree(Part& p) {
+    const double per_metre = p.value[1] * 1e-4 * (body_.length + p.value[0]);
+    p.memory = per_metre > 0.0 ? -std::log1p(-p.random.uniform()) / per_metre : kInfinity;
+}
+
+/// Takes energy from the motion, speed and spin alike.
+template <int Dim>
+void BlockEffects<Dim>::lose(double energy, double& kinetic, State& s) {
+    ++crossings_struck_;
+    second_.reset();
+    const double left = std::max(0.0, kinetic - energy);
+    const double factor = kinetic > 0.0 ? std::sqrt(left / kinetic) : 0.0;
+    s.velocity *= factor;
+    s.spin *= factor;
+    kinetic = left;
+}
+
+template <int Dim>
+void BlockEffects<Dim>::cross(Part& p, const Vec& from, double& kinetic, State& s) {
+    if (p.kind == EffectKind::Net) {
+        const double share = p.place->first_line(plan(from), plan(s.position));
+        if (!(share <= 1.0) || !(height_over_ground(from + share * (s.position - from)) <= p.value[1])) return;
+        lose(1000.0 * p.value[0], kinetic, s);
+        held_ = held_ || kinetic <= 0.0;
+        return;
+    }
+    const double capacity = tree_capacity(p.value[0], p.value[2]);
+    double offset = 0.0;
+    if (!p.place->points.empty()) {
+        const double share = next_tree(p, from, s.position, offset);
+        if (share <= 1.0 && height_over_ground(from + share * (s.position - from)) <= p.value[3])
+            lose(capacity * tree_share(offset), kinetic, s);
+    } else if (acts_on_flight_at(p, 0.5 * (from + s.position))) {
+        p.memory -= (plan(s.position) - plan(from)).norm();
+        if (p.memory > 0.0) return;
+        lose(capacity * tree_share(p.random.uniform()), kinetic, s);
+        draw_next_tree(p);
+    }
+}
+
+template <int Dim>
+void BlockEffects<Dim>::moved(const Vec& from, double duration, bool in_contact, double kinetic_energy, State& s) {
+    const double way = (s.position - from).norm();
+    for (Part& p : parts_) {
+        if (p.kind == EffectKind::SlipFriction) {
+            p.memory = in_contact ? p.memory + way : p.memory * std::exp(-p.value[2] * duration);
+        } else if (p.kind == EffectKind::ScarDrag) {
+            p.memory2 += way;
+            if (!in_contact) p.memory = 0.0;
+        } else if (p.hook == EffectHook::Crossing) {
+            cross(p, from, kinetic_energy, s);
+        }
+    }
+}
+
+template class BlockEffects<2>;
+template class BlockEffects<3>;
+
+}  // namespace scree
