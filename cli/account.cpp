@@ -63,6 +63,10 @@ std::vector<gis::ProvenanceEntry> provenance(const SiteFile& site, const SiteMod
     p.push_back({"largest_energy_rise_m", short_number(c.largest_energy_rise)});
     p.push_back({"penetration_p999_m", short_number(c.penetration_quantile(0.999))});
     p.push_back({"largest_penetration_m", short_number(c.largest_penetration)});
+    if (!model.campaign.effects.empty()) {
+        p.push_back({"trees_and_nets_struck", std::to_string(c.crossings_struck)});
+        p.push_back({"breaks_of_blocks", std::to_string(c.breaks)});
+    }
     p.push_back({"quantile_error", short_number(kQuantileError) + " relative"});
     for (const std::string& file : model.inputs)
         p.push_back({"sha256 " + fs::path(file).filename().string(), gis::sha256_of_file(file)});

@@ -14,7 +14,7 @@ namespace scree::cli {
 
 namespace {
 
-enum class Target { Site, Folder, None };
+enum class Target { Site, Folder, Kind, None };
 
 struct Command {
     const char* name;
@@ -39,6 +39,8 @@ constexpr std::array kCommands{
             Target::Site, true, true, run_compare},
     Command{"settings", "Print the reference manual of all keys of the site file", Target::None, false, false,
             run_settings},
+    Command{"effects", "Print the catalogue of effects, or all about one of them", Target::Kind, false, false,
+            run_effects},
 };
 
 const Command* find_command(const std::string& name) {
@@ -72,6 +74,8 @@ void add_options(CLI::App& sub, const Command& command, Context& context) {
     }
     if (command.target == Target::Folder)
         sub.add_option("FOLDER", context.target, "Folder of the new site")->type_name("")->required();
+    if (command.target == Target::Kind)
+        sub.add_option("KIND", context.target, "The effect to explain; without it all are listed")->type_name("");
     if (command.writes_results) {
         sub.add_option("--output", context.output, "Folder of the results (default: output.directory of the site file)")
             ->type_name("FOLDER");

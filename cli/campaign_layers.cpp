@@ -6,6 +6,7 @@
 #include "cli/terrain_layers.hpp"
 #include "scree/base/units.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <set>
@@ -72,6 +73,10 @@ gis::VectorLayer stopping_points(const SiteModel& model, const CampaignResult& r
                          integer("release_feature", "Release feature")};
     add_plane_fields(model, layer.data.fields,
                      {real("s_m", "Chainage s [m]"), real("release_s_m", "s of the release [m]")});
+    const auto& effects = model.campaign.effects;
+    const bool breaking = std::any_of(effects.begin(), effects.end(),
+                                      [](const Effect& e) { return e.kind == EffectKind::Fragmentation; });
+    if (breaking) layer.data.fields.push_back(real("mass_left_kg", "Mass of the largest piece [kg]"));
     for (std::size_t k = 0; k < result.blocks.size(); ++k) {
         const BlockResult& b = result.blocks[k];
         if (!b.done) continue;
@@ -93,6 +98,7 @@ gis::VectorLayer stopping_points(const SiteModel& model, const CampaignResult& r
                     b.largest_energy / kJoulePerKj,
                     b.feature};
         add_plane_values(model, b, f.values, {b.stop_s, b.release_s});
+        if (breaking) f.values.push_back(b.mass_left);
         layer.data.features.push_back(std::move(f));
     }
     return layer;

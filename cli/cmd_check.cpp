@@ -91,15 +91,15 @@ void print_unread_fields(std::ostream& out, const FeatureLayer& layer) {
 }
 
 /// Height of the centre of mass of block `key` at its start.
-double height_of_release(const CampaignInput& c, std::span<const GroundLine> grounds, std::uint64_t key,
-                         double& raised) {
+double height_of_release(const CampaignInput& c, const BlockPopulation& population, std::span<const GroundLine> grounds,
+                         std::uint64_t key, double& raised) {
     if (!c.tracks.empty()) {
         const ProfileRelease::Place place = c.profile_release->draw(c.seed, key);
-        const PopulationPolygon block = draw_polygon(c.population, c.seed, key);
+        const PopulationPolygon block = draw_polygon(population, c.seed, key);
         return draw_release(c.release, place.s, grounds[place.profile], block.body, c.seed, key, raised).position.y();
     }
     std::int64_t feature = 0;
-    const PopulationBlock block = draw_block(c.population, c.seed, key);
+    const PopulationBlock block = draw_block(population, c.seed, key);
     return draw_release(c.release, *c.area, *c.surface, block.body, c.seed, key, feature, raised).position.z();
 }
 
@@ -132,6 +132,7 @@ void print_release(std::ostream& out, const SiteModel& m) {
     out << "release        " << layer_text(m.release) << "; " << c.release.count
         << (c.release.count == 1 ? " block from " : " blocks from ") << c.release.height << " m above the ground\n";
     print_unread_fields(out, m.release.layer);
+    const BlockPopulation population = reshaped(c.population, c.effects);
     const std::int64_t tried = std::min<std::int64_t>(c.release.count, 200);
     std::vector<GroundLine> grounds;
     for (const ProfileTrack& track : c.tracks) grounds.emplace_back(track.profile);
@@ -139,7 +140,7 @@ void print_release(std::ostream& out, const SiteModel& m) {
     double most = 0.0, low = kInfinity, high = -kInfinity;
     for (std::int64_t k = 0; k < tried; ++k) {
         double raised = 0.0;
-        const double height = height_of_release(c, grounds, static_cast<std::uint64_t>(k), raised);
+        const double height = height_of_release(c, population, grounds, static_cast<std::uint64_t>(k), raised);
         lifted += raised > 0.0 ? 1 : 0;
         most = std::max(most, raised);
         low = std::min(low, height);
@@ -168,6 +169,8 @@ ExitCode run_check(const Context& context) {
     if (model.terrain.data.zones) out << "zones          " << report_text(*model.terrain.data.zones) << "\n";
     if (model.terrain.data.breaklines) out << "breaklines     " << report_text(*model.terrain.data.breaklines) << "\n";
     if (model.in_plane()) print_profiles(out, model);
+    for (std::size_t k = 0; k < site.settings.effects.size(); ++k)
+        out << (k == 0 ? "effects        " : "               ") << effect_text(site.settings.effects[k]) << "\n";
     print_blocks(out, model);
     print_release(out, model);
     if (model.screens) out << "screens        " << layer_text(*model.screens) << "\n";

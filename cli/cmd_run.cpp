@@ -104,6 +104,10 @@ ExitCode run_run(const Context& context) {
     gis::require_free_results_folder(folder, context.overwrite);
     warn_of_partial_results(context, folder);
     SiteModel model = load_site(site);
+    for (const EffectSettings& effect : site.settings.effects)
+        if (effect_info(effect.effect.kind).hook == EffectHook::Measurement)
+            model.warnings.push_back(std::string("effect ") + effect_info(effect.effect.kind).name +
+                                     " acts on simulated measurements only: a run is not changed by it");
     print_warnings(context, model.warnings);
     model.campaign.threads = context.threads;
 

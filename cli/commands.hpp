@@ -19,7 +19,7 @@ enum class ProgressStyle { Automatic, Json };
 
 /// What a command was given and where it writes.
 struct Context {
-    std::string target;                ///< site file, or folder for init
+    std::string target;                ///< site file, folder for init, or kind for effects
     std::vector<std::string> changes;  ///< --set key=value
     std::string output;                ///< --output; empty: as the site file says
     bool overwrite = false;
@@ -45,6 +45,7 @@ ExitCode run_profile(const Context& context);
 ExitCode run_run(const Context& context);
 ExitCode run_compare(const Context& context);
 ExitCode run_settings(const Context& context);
+ExitCode run_effects(const Context& context);
 
 /// Version of the program.
 std::string version();

@@ -115,7 +115,7 @@ void add_profiles(const SiteFile& site, SiteModel& model) {
     CampaignInput& c = model.campaign;
     std::vector<Profile> lines;
     for (const ProfileTrace& trace : model.profiles->traces) {
-        c.tracks.push_back({trace.profile, {}});
+        c.tracks.push_back({raise_berms(c.effects, trace.profile), {}});  // those given by their chainage
         lines.push_back(trace.profile);
     }
     c.cell_along = s.result_resolution > 0.0 ? s.result_resolution : model.terrain.data.grid.shape.cell;

@@ -1,176 +1,15 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "cli/settings.hpp"
 
-#include "scree/base/error.hpp"
+#include "cli/setting_rows.hpp"
 
 #include <toml++/toml.h>
 
-#include <charconv>
-#include <cmath>
-#include <limits>
 #include <sstream>
 
 namespace scree::cli {
 
 namespace {
-
-std::string number_text(double value) {
-    if (value == std::floor(value) && std::abs(value) < 1e15) {
-        std::ostringstream s;
-        s.precision(17);
-        s << value;
-        const std::string text = s.str();
-        return text.find_first_of(".e") == std::string::npos ? text + ".0" : text;
-    }
-    char buffer[32];
-    const auto end =
-        std::to_chars(buffer, buffer + sizeof buffer, value).ptr;  // shortest text that reads back the same
-    return {buffer, end};
-}
-
-std::string bound_text(double value) {
-    std::ostringstream s;
-    s.precision(6);
-    s << value;
-    return s.str();
-}
-
-std::string quoted(const std::string& text) {
-    std::ostringstream s;
-    s << toml::value<std::string>(text);
-    return s.str();
-}
-
-std::string node_text(const toml::node& node) {
-    std::ostringstream s;
-    node.visit([&](const auto& n) {
-        if constexpr (toml::is_value<decltype(n)>)
-            s << n;
-        else
-            s << "a table or list";
-    });
-    return s.str();
-}
-
-[[noreturn]] void refuse(const std::string& where, const std::string& name, const toml::node& node,
-                         const std::string& allowed) {
-    throw InputError(where + ": " + name + " = " + node_text(node) + " is not allowed: give " + allowed);
-}
-
-struct Range {
-    double low = -std::numeric_limits<double>::infinity();
-    double high = std::numeric_limits<double>::infinity();
-    bool low_included = true;
-};
-
-std::string range_text(const Range& r, const char* noun) {
-    const bool below = std::isfinite(r.low), above = std::isfinite(r.high);
-    std::string text = noun;
-    if (below && above)
-        return text + " from " + bound_text(r.low) + (r.low_included ? "" : " (excluded)") + " to " +
-               bound_text(r.high);
-    if (below) return text + (r.low_included ? " of at least " : " above ") + bound_text(r.low);
-    if (above) return text + " of at most " + bound_text(r.high);
-    return text;
-}
-
-/// Builders of table rows. `at` maps settings to the member.
-template <class S>
-struct Row {
-    std::string section;
-
-    template <class Access>
-    Setting<S> number(std::string key, std::string unit, Range range, Access at, std::string help) const {
-        const std::string allowed = range_text(range, "a number");
-        return {section,
-                key,
-                unit,
-                allowed,
-                help,
-                [=, name = section + "." + key](S& s, const toml::node& node, const std::string& where) {
-                    const auto value = node.value<double>();
-                    if (!value || !node.is_number() || !std::isfinite(*value) || *value > range.high ||
-                        *value < range.low || (!range.low_included && *value == range.low))
-                        refuse(where, name, node, allowed);
-                    at(s) = *value;
-                },
-                [=](const S& s) { return number_text(at(const_cast<S&>(s))); }};
-    }
-
-    template <class Access>
-    Setting<S> integer(std::string key, Range range, Access at, std::string help) const {
-        const std::string allowed = range_text(range, "a whole number");
-        return {section,
-                key,
-                "-",
-                allowed,
-                help,
-                [=, name = section + "." + key](S& s, const toml::node& node, const std::string& where) {
-                    const auto value = node.value_exact<std::int64_t>();
-                    if (!value || static_cast<double>(*value) < range.low || static_cast<double>(*value) > range.high)
-                        refuse(where, name, node, allowed);
-                    at(s) = static_cast<std::remove_reference_t<decltype(at(s))>>(*value);
-                },
-                [=](const S& s) { return std::to_string(at(const_cast<S&>(s))); }};
-    }
-
-    template <class Access>
-    Setting<S> text(std::string key, Access at, std::string help, bool path = false) const {
-        return {section,
-                key,
-                "-",
-                path ? "a path in quotes" : "a text in quotes",
-                help,
-                [=, name = section + "." + key](S& s, const toml::node& node, const std::string& where) {
-                    const auto value = node.value_exact<std::string>();
-                    if (!value) refuse(where, name, node, path ? "a path in quotes" : "a text in quotes");
-                    at(s) = *value;
-                },
-                [=](const S& s) { return quoted(at(const_cast<S&>(s))); },
-                path};
-    }
-    template <class Access>
-    Setting<S> path(std::string key, Access at, std::string help) const {
-        return text(std::move(key), at, std::move(help), true);
-    }
-
-    template <class Access>
-    Setting<S> flag(std::string key, Access at, std::string help) const {
-        return {section,
-                key,
-                "-",
-                "true or false",
-                help,
-                [=, name = section + "." + key](S& s, const toml::node& node, const std::string& where) {
-                    const auto value = node.value_exact<bool>();
-                    if (!value) refuse(where, name, node, "true or false");
-                    at(s) = *value;
-                },
-                [=](const S& s) { return at(const_cast<S&>(s)) ? "true" : "false"; }};
-    }
-
-    template <class Access, std::size_t N>
-    Setting<S> choice(std::string key, const std::array<const char*, N>& names, Access at, std::string help) const {
-        std::string allowed;
-        for (const char* name : names) allowed += (allowed.empty() ? "" : ", ") + std::string("\"") + name + "\"";
-        return {section,
-                key,
-                "-",
-                allowed,
-                help,
-                [=, name = section + "." + key](S& s, const toml::node& node, const std::string& where) {
-                    const auto value = node.value_exact<std::string>();
-                    for (std::size_t k = 0; k < N; ++k) {
-                        if (value && *value == names[k]) {
-                            at(s) = static_cast<std::remove_reference_t<decltype(at(s))>>(k);
-                            return;
-                        }
-                    }
-                    refuse(where, name, node, "one of " + allowed);
-                },
-                [=](const S& s) { return quoted(names[static_cast<std::size_t>(at(const_cast<S&>(s)))]); }};
-    }
-};
 
 #define AT(member)                  \
     [](SiteSettings & s) -> auto& { \
@@ -180,9 +19,6 @@ struct Row {
     [](Soil & s) -> auto& { \
         return s.member;    \
     }
-
-constexpr Range kPositive{0.0, std::numeric_limits<double>::infinity(), false};
-constexpr Range kNotNegative{0.0};
 
 void add_site_and_terrain(std::vector<Setting<SiteSettings>>& keys) {
     const Row<SiteSettings> site{"site"}, terrain{"terrain"}, zones{"zones"};
@@ -502,6 +338,10 @@ std::span<const Setting<Soil>> soil_keys() {
 }
 
 std::string section_help(const std::string& section) {
+    if (section == "effect")
+        return "What acts beyond the contact law, none by default: `scree effects` lists the kinds, `scree effects "
+               "KIND` "
+               "explains one.";
     if (section == "site") return "What the results are called.";
     if (section == "terrain") return "The ground.";
     if (section == "soil")
@@ -542,6 +382,7 @@ std::string settings_as_toml(const SiteSettings& settings, const std::function<s
         }
         out << key.key << " = " << value << "\n";
     }
+    for (const EffectSettings& effect : settings.effects) out << "\n[[effect]]\n" << effect_as_toml(effect, path);
     return out.str();
 }
 
@@ -558,8 +399,8 @@ std::string settings_manual() {
             << section_help(name) << "\n\n| key | unit | default | allowed | meaning |\n|---|---|---|---|---|\n";
     };
     auto row = [&](const auto& key, const std::string& value) {
-        out << "| `" << key.key << "` | " << key.unit << " | `" << value << "` | " << key.allowed << " | " << key.help
-            << " |\n";
+        out << "| `" << key.key << "` | " << key.unit << " | " << (value.empty() ? "" : "`" + value + "`") << " | "
+            << key.allowed << " | " << key.help << " |\n";
     };
     for (const auto& key : site_keys()) {
         if (key.section != section) {
@@ -571,6 +412,14 @@ std::string settings_manual() {
             head(section, false);
         }
         row(key, key.show(defaults));
+    }
+    head("effect", true);
+    for (const auto& key : effect_place_keys()) row(key, key.show(EffectSettings{}));
+    for (const EffectInfo& info : effect_catalogue()) {
+        out << "\n`kind = \"" << info.name << "\"`: " << info.title
+            << "\n\n| key | unit | default | allowed | meaning |\n|---|---|---|---|---|\n";
+        const EffectSettings standard{make_effect(info.kind), {}, {}};
+        for (const auto& key : effect_keys(info.kind)) row(key, key.show(standard));
     }
     return out.str();
 }

@@ -36,6 +36,12 @@ struct Setting {
 std::span<const Setting<SiteSettings>> site_keys();
 /// The keys of one [[soil]].
 std::span<const Setting<Soil>> soil_keys();
+/// The keys of an [[effect]] that say where it acts, `kind` first.
+std::span<const Setting<EffectSettings>> effect_place_keys();
+/// The parameters of one kind of effect, from the catalogue. An unset value shows as an empty text.
+std::span<const Setting<EffectSettings>> effect_keys(EffectKind kind);
+/// The keys of one [[effect]] that are given or differ from nothing; `path` rewrites paths.
+std::string effect_as_toml(const EffectSettings& effect, const std::function<std::string(const std::string&)>& path);
 /// One sentence per section.
 std::string section_help(const std::string& section);
 

@@ -69,6 +69,7 @@ std::size_t edit_distance(const std::string& a, const std::string& b) {
         last = key.section;
     }
     consider("soil");
+    consider("effect");
     throw InputError(where + ": the section [" + name + "] is unknown; " +
                      (distance <= 2 ? "did you mean [" + best + "]?" : "there are " + known) +
                      " (scree settings lists all keys)");
@@ -121,6 +122,40 @@ void read_soils(const toml::node& node, const std::string& file, std::vector<Soi
                          std::to_string(kMaxSoils) + " are possible");
 }
 
+/// The keys of one [[effect]], `kind` first because it says which others there are.
+EffectSettings read_effect(const toml::table& table, const std::string& file) {
+    EffectSettings effect;
+    const toml::node* kind = table.get("kind");
+    if (!kind) throw InputError(location(file, table) + ": an [[effect]] has no kind: scree effects lists the kinds");
+    effect_place_keys().front().read(effect, *kind, location(file, *kind));
+    const EffectInfo& info = effect_info(effect.effect.kind);
+    const auto find = [](auto keys, const std::string& name) {
+        const auto found = std::find_if(keys.begin(), keys.end(), [&](const auto& k) { return k.key == name; });
+        return found == keys.end() ? nullptr : &*found;
+    };
+    for (const auto& [key, value] : table) {
+        const std::string name(key.str());
+        if (name == "kind") continue;
+        const auto* known = find(effect_keys(info.kind), name);
+        if (!known) known = find(effect_place_keys(), name);
+        if (!known) {
+            std::string names;
+            for (const auto& k : effect_keys(info.kind)) names += (names.empty() ? "" : ", ") + k.key;
+            throw InputError(location(file, value) + ": effect " + info.name + " has no key " + name + "; it knows " +
+                             names + " and where it acts (scree effects " + info.name + ")");
+        }
+        known->read(effect, value, location(file, value));
+    }
+    return effect;
+}
+
+void read_effects(const toml::node& node, const std::string& file, std::vector<EffectSettings>& effects) {
+    const toml::array* list = node.as_array();
+    if (!list || list->empty() || !list->is_array_of_tables())
+        throw InputError(location(file, node) + ": effect must be a list of tables: begin each with [[effect]]");
+    for (const toml::node& entry : *list) effects.push_back(read_effect(*entry.as_table(), file));
+}
+
 /// Puts `--set section.key=value` into the table as if it stood in the file. The value is TOML; what is no TOML is a text.
 void apply_change(toml::table& table, const std::string& change) {
     const auto equals = change.find('=');
@@ -137,20 +172,24 @@ void apply_change(toml::table& table, const std::string& change) {
     }
     const toml::node& value = *holder.get("value");
     toml::table* target = nullptr;
-    if (section == "soil") {
-        // soil.NAME.key, or soil.NUMBER.key counted from 0
+    if (section == "soil" || section == "effect") {
+        // soil.NAME.key or effect.KIND.key, or a number counted from 0 in place of the name
+        const char* name = section == "soil" ? "name" : "kind";
         const auto last = key.rfind('.');
         if (last == std::string::npos)
-            throw InputError("--set " + change + ": say which soil, soil.NAME." + key + "=" + text);
+            throw InputError("--set " + change + ": say which " + section + ", " + section + "." +
+                             (section == "soil" ? "NAME." : "KIND.") + key + "=" + text);
         const std::string which = key.substr(0, last);
         key = key.substr(last + 1);
-        toml::array* soils = table["soil"].as_array();
-        for (std::size_t i = 0; soils && i < soils->size(); ++i) {
-            toml::table* soil = (*soils)[i].as_table();
-            if (soil && ((*soil)["name"].value_or(std::string()) == which || std::to_string(i) == which)) target = soil;
+        toml::array* list = table[section].as_array();
+        for (std::size_t i = 0; list && i < list->size(); ++i) {
+            toml::table* entry = (*list)[i].as_table();
+            if (entry && ((*entry)[name].value_or(std::string()) == which || std::to_string(i) == which))
+                target = entry;
         }
         if (!target)
-            throw InputError("--set " + change + ": there is no [[soil]] called \"" + which + "\" in the site file");
+            throw InputError("--set " + change + ": there is no [[" + section + "]] called \"" + which +
+                             "\" in the site file");
     } else {
         if (!table.contains(section)) table.insert_or_assign(section, toml::table{});
         target = table[section].as_table();
@@ -216,9 +255,10 @@ SiteFile read_site_file(const std::filesystem::path& file, const std::vector<std
             read_soils(node, name, site.settings.soils);
             continue;
         }
-        if (section_name == "effect")
-            throw InputError(location(name, node) +
-                             ": [[effect]]: this version knows no effects beyond the contact law; remove the entry");
+        if (section_name == "effect") {
+            read_effects(node, name, site.settings.effects);
+            continue;
+        }
         const toml::table* keys = node.as_table();
         if (section_help(section_name).empty()) unknown_section(location(name, node), section_name);
         if (!keys)

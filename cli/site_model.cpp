@@ -113,9 +113,11 @@ SiteModel load_site(const SiteFile& site) {
     SiteModel model;
     model.terrain = load_terrain(site);
     model.warnings = model.terrain.data.warnings();
+    append(model.warnings, model.terrain.effect_warnings);
     model.inputs.push_back(site.resolve(s.dtm).string());
     if (!s.zones.file.empty()) model.inputs.push_back(site.resolve(s.zones.file).string());
     if (!s.breaklines.file.empty()) model.inputs.push_back(site.resolve(s.breaklines.file).string());
+    append(model.inputs, model.terrain.effect_inputs);
 
     model.release =
         read_site_layer(site, s.release, "release",
@@ -139,6 +141,7 @@ SiteModel load_site(const SiteFile& site) {
         c.deposit_zones = make_deposit_zones(*model.deposit_zones, s.deposit_zones.field);
     }
     c.soils = s.soils;
+    c.effects = model.terrain.effects;
     c.dynamics = s.dynamics;
     c.release = s.releases;
     c.release.azimuth = radians_from_degrees(s.azimuth_deg);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include "scree/dynamics/effects.hpp"
 #include "scree/dynamics/trajectory.hpp"
 #include "scree/ensemble/population.hpp"
 #include "scree/ensemble/release.hpp"
@@ -27,6 +28,13 @@ struct VectorInput {
     std::string file;   ///< relative to the site file, or absolute
     std::string layer;  ///< empty: the only layer of the file
     std::string field;  ///< text field that matters
+};
+
+/// One [[effect]]: the effect with its parameters, its place as the file says it.
+struct EffectSettings {
+    Effect effect;
+    std::string soil;   ///< name of a [[soil]]; empty: all
+    VectorInput place;  ///< polygons, lines or points; empty: everywhere
 };
 
 enum class AxisChoice { Measured, Azimuth, Line };
@@ -105,6 +113,7 @@ struct SiteSettings {
     std::string screen_chainages;  ///< "NAME = CHAINAGE, ..."; of 2D [m]
     VectorInput deposit_zones{{}, {}, "name"};
 
+    std::vector<EffectSettings> effects;
     ObservedSettings observed;
 
     std::string output_directory = "out";

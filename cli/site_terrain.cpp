@@ -37,6 +37,7 @@ SiteTerrain load_terrain(const SiteFile& site) {
 
     SiteTerrain terrain;
     terrain.data = gis::read_terrain(source);
+    load_effects(site, terrain);
     std::ostringstream words;
     if (terrain.data.mesh) {
         terrain.surface = make_mesh_surface(std::move(*terrain.data.mesh));

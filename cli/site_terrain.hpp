@@ -4,6 +4,7 @@
 #include "cli/site_file.hpp"
 #include "gis/terrain.hpp"
 #include "gis/vector_reader.hpp"
+#include "scree/dynamics/effects.hpp"
 #include "scree/geometry/surface.hpp"
 
 #include <memory>
@@ -16,10 +17,17 @@ namespace scree::cli {
 struct SiteTerrain {
     gis::Terrain data;  ///< grid, frame and the reports of how they came about
     std::unique_ptr<Surface> surface;
-    std::string surface_report;  ///< facets and errors, in words
+    std::string surface_report;                               ///< facets and errors, in words
+    std::vector<Effect> effects;                              ///< of the site; berms are in the surface
+    std::vector<std::string> effect_inputs, effect_warnings;  ///< files read for them, what they gave cause to
 };
 
 SiteTerrain load_terrain(const SiteFile& site);
+
+/// The [[effect]]s of a site with their places, checked; raises berms in the terrain's heights. Fills effects, effect_inputs, effect_warnings.
+void load_effects(const SiteFile& site, SiteTerrain& terrain);
+/// One effect in words: "ground_drag on loose waste: coefficient 0.3 1/s".
+std::string effect_text(const EffectSettings& effect);
 
 /// Reads a layer of the site in the terrain's frame.
 gis::VectorData read_site_layer(const SiteFile& site, const VectorInput& input, const char* purpose,

@@ -325,7 +325,7 @@ TEST(BadInputsResult, WrongTypesNameKeyValueAndRange) {
                "site.toml:3: soil.restitution = 2 is not allowed: give a number from 0 to 1"},
           Case{"[[soil]]\nname = 'a'\nmu = 2\n", "site.toml:3: [[soil]] has no key mu"},
           Case{"[terain]\ndtm = 'a'\n", "site.toml:1: the section [terain] is unknown; did you mean [terrain]?"},
-          Case{"[[effect]]\nkind = 'forest'\n", "knows no effects"}}) {
+          Case{"[[effect]]\nkind = 'forest'\n", "there is no effect"}}) {
         put(folder / "site.toml", c.line);
         const Outcome checked = scree_program({"check", (folder / "site.toml").string()});
         EXPECT_EQ(checked.code, 3);

@@ -1,0 +1,114 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// [[effect]] of the site file to effects with their places in the terrain's frame.
+#include "cli/site_terrain.hpp"
+#include "scree/base/error.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <sstream>
+
+namespace scree::cli {
+
+namespace {
+
+/// What the file of an effect may hold.
+std::vector<GeometryKind> kinds_of(const EffectLimits& limits) {
+    std::vector<GeometryKind> kinds;
+    if (limits.zone) kinds.push_back(GeometryKind::Polygon);
+    if (limits.lines) kinds.push_back(GeometryKind::LineString);
+    if (limits.points) kinds.push_back(GeometryKind::Point);
+    return kinds;
+}
+
+void place_features(const FeatureLayer& layer, EffectPlace& place) {
+    MultiPolygon area;
+    for (const Feature& feature : layer.features) {
+        if (const auto* polygons = std::get_if<MultiPolygon>(&feature.geometry))
+            area.insert(area.end(), polygons->begin(), polygons->end());
+        else if (const auto* lines = std::get_if<Polylines>(&feature.geometry))
+            for (const Polyline& line : *lines) place.lines.push_back(line.points);
+        else if (const auto* points = std::get_if<Points>(&feature.geometry))
+            place.points.insert(place.points.end(), points->begin(), points->end());
+    }
+    if (!area.empty()) place.limit_to(std::move(area));
+    place.sort_points();
+}
+
+SoilId soil_number(const SiteSettings& s, const std::string& name, const std::string& where) {
+    std::string names;
+    for (std::size_t k = 0; k < s.soils.size(); ++k) {
+        if (s.soils[k].name == name) return static_cast<SoilId>(k);
+        names += (names.empty() ? "\"" : ", \"") + s.soils[k].name + "\"";
+    }
+    throw InputError(where + ": soil \"" + name + "\" is no [[soil]]; there are " + names);
+}
+
+/// A crest that falls between the nodes is lost.
+void warn_of_narrow_berm(const Effect& berm, const SiteTerrain& terrain, std::vector<std::string>& warnings) {
+    if (berm.kind != EffectKind::Berm) return;
+    const double cell = terrain.data.grid.shape.cell, width = berm.value("width");
+    if (width >= 4.0 * cell) return;
+    std::ostringstream text;
+    text << "effect berm: its width of " << width << " m is less than four cells of " << cell
+         << " m: its crest is cut down between the nodes of the terrain; take a finer terrain.resolution";
+    warnings.push_back(text.str());
+}
+
+}  // namespace
+
+void load_effects(const SiteFile& site, SiteTerrain& terrain) {
+    const SiteSettings& s = site.settings;
+    for (const EffectSettings& given : s.effects) {
+        Effect effect = given.effect;
+        const EffectInfo& info = effect_info(effect.kind);
+        const std::string where = site.file.string() + ": effect " + info.name;
+        if (effect.place.reaches && s.dimension == 3)
+            throw InputError(where +
+                             ": from and to are distances along a profile, for model.dimension = 2: give a file "
+                             "of polygons or lines instead");
+        if (!given.soil.empty()) effect.place.soil = soil_number(s, given.soil, where);
+        if (!given.place.file.empty()) {
+            const std::vector<GeometryKind> kinds = kinds_of(info.limits);
+            if (kinds.empty()) throw InputError(where + " acts everywhere: remove file = \"" + given.place.file + "\"");
+            const std::string purpose = std::string("effect ") + info.name;
+            const gis::VectorData data = read_site_layer(site, given.place, purpose.c_str(), kinds, terrain);
+            place_features(data.layer, effect.place);
+            terrain.effect_inputs.push_back(site.resolve(given.place.file).string());
+            terrain.effect_warnings.insert(terrain.effect_warnings.end(), data.report.warnings.begin(),
+                                           data.report.warnings.end());
+        }
+        if (info.limits.lines && effect.place.reaches) {  // a station along the profile
+            effect.place.stations.push_back(effect.place.reaches->front().from);
+            effect.place.reaches.reset();
+        }
+        if (info.limits.lines && effect.place.lines.empty() && effect.place.stations.empty())
+            throw InputError(where + " stands nowhere: give its line in a file");
+        try {
+            check_effect(effect, s.dynamics.mode == SteppingMode::Event);
+        } catch (const InputError& e) {
+            throw InputError(site.file.string() + ": " + e.what());
+        }
+        warn_of_narrow_berm(effect, terrain, terrain.effect_warnings);
+        terrain.effects.push_back(std::move(effect));
+    }
+    raise_berms(terrain.effects, terrain.data.grid);
+    if (terrain.data.mesh) raise_berms(terrain.effects, *terrain.data.mesh);
+}
+
+std::string effect_text(const EffectSettings& effect) {
+    const EffectInfo& info = effect_info(effect.effect.kind);
+    std::ostringstream text;
+    text << info.name;
+    if (!effect.soil.empty()) text << " on " << effect.soil;
+    if (!effect.place.file.empty()) text << " at the features of " << effect.place.file;
+    const char* separator = ": ";
+    for (std::size_t k = 0; k < info.parameters.size(); ++k) {
+        if (std::isnan(effect.effect.values[k])) continue;
+        text << separator << info.parameters[k].key << " " << effect.effect.values[k];
+        if (std::string(info.parameters[k].unit) != "-") text << " " << info.parameters[k].unit;
+        separator = ", ";
+    }
+    return text.str();
+}
+
+}  // namespace scree::cli

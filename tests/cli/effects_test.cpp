@@ -1,0 +1,195 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// [[effect]] in the site file and the catalogue on the command line.
+#include "scree/dynamics/effects.hpp"
+
+#include "cli/program.hpp"
+#include "cli/site_file.hpp"
+#include "gis/input_files.hpp"
+#include "support/paths.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <fstream>
+
+namespace scree::test {
+namespace {
+
+using testing::HasSubstr;
+
+/// quarry_a beside its data, with more at its end.
+std::string quarry_with(const TempDir& folder, const std::string& more) {
+    std::filesystem::create_directory_symlink(quarry_a() / "data", folder / "data");
+    put(folder / "site.toml", text_of(quarry_a() / "site.toml") + more);
+    return (folder / "site.toml").string();
+}
+
+Outcome check_with(const std::string& more) {
+    const TempDir folder;
+    return scree_program({"check", quarry_with(folder, more)});
+}
+
+struct Mistake {
+    const char* name;
+    const char* text;
+    const char* said;
+};
+void PrintTo(const Mistake& m, std::ostream* out) {
+    *out << m.name;
+}
+
+const Mistake kMistakes[] = {
+    {"NoKind", "[[effect]]\ncoefficient = 1.0\n", "an [[effect]] has no kind: scree effects lists the kinds"},
+    {"UnknownKind", "[[effect]]\nkind = \"ground_drga\"\n",
+     "there is no effect \"ground_drga\"; scree effects lists them"},
+    {"UnknownKey", "[[effect]]\nkind = \"ground_drag\"\ncoeficient = 1.0\n",
+     "effect ground_drag has no key coeficient; it knows coefficient and where it acts"},
+    {"OutOfRange", "[[effect]]\nkind = \"ground_drag\"\ncoefficient = -1.0\n",
+     "effect.coefficient = -1.0 is not allowed: give a number from 0 to 20"},
+    {"NotANumber", "[[effect]]\nkind = \"ground_drag\"\ncoefficient = \"much\"\n", "is not allowed: give a number"},
+    {"NotAList", "[effect]\nkind = \"ground_drag\"\n", "effect must be a list of tables: begin each with [[effect]]"},
+    {"UnknownSoil", "[[effect]]\nkind = \"ground_drag\"\nsoil = \"moss\"\n",
+     "effect ground_drag: soil \"moss\" is no [[soil]]; there are \"loose waste\", \"compact waste\""},
+    {"NoLine", "[[effect]]\nkind = \"net\"\n", "effect net stands nowhere: give its line in a file"},
+    {"ReachInSpace", "[[effect]]\nkind = \"ground_drag\"\nfrom = 3.0\nto = 9.0\n",
+     "from and to are distances along a profile, for model.dimension = 2"},
+    {"SoilOfAShape", "[[effect]]\nkind = \"block_shape\"\nsoil = \"loose waste\"\n",
+     "effect block_shape cannot be limited to a soil"},
+    {"FileOfAShape", "[[effect]]\nkind = \"block_shape\"\nfile = \"data/zones.gpkg\"\n",
+     "effect block_shape acts everywhere"},
+    {"WrongGeometry", "[[effect]]\nkind = \"net\"\nfile = \"data/zones.gpkg\"\n", "zones.gpkg"},
+    {"NoSuchFile", "[[effect]]\nkind = \"soil_patch\"\nfile = \"data/nothing.gpkg\"\n", "nothing.gpkg"},
+};
+
+class EffectMistake : public testing::TestWithParam<Mistake> {};
+INSTANTIATE_TEST_SUITE_P(Table, EffectMistake, testing::ValuesIn(kMistakes),
+                         [](const auto& row) { return std::string(row.param.name); });
+
+TEST_P(EffectMistake, IsRefusedInOneSentence) {
+    const Outcome outcome = check_with(GetParam().text);
+    EXPECT_EQ(outcome.code, 3);
+    EXPECT_THAT(outcome.err, HasSubstr(GetParam().said));
+    EXPECT_EQ(outcome.err.find("error: "), outcome.err.rfind("error: "));
+}
+
+TEST(EffectKeys, ImpactsNeedTheEventMode) {
+    const TempDir folder;
+    const std::string site = quarry_with(folder, "[[effect]]\nkind = \"roughness\"\n");
+    EXPECT_EQ(scree_program({"check", site}).code, 0);
+    const Outcome outcome = scree_program({"check", site, "--set", "model.mode=moreau_jean"});
+    EXPECT_EQ(outcome.code, 3);
+    EXPECT_THAT(outcome.err, HasSubstr("effect roughness acts at the instant of an impact"));
+}
+
+TEST(EffectKeys, ReachTheSite) {
+    const TempDir folder;
+    const std::string site =
+        quarry_with(folder,
+                    "[[effect]]\nkind = \"ground_drag\"\nsoil = \"loose waste\"\ncoefficient = 0.7\n"
+                    "[[effect]]\nkind = \"soil_patch\"\nfile = \"data/deposit_zones.gpkg\"\n"
+                    "friction = 0.3\n");
+    const cli::SiteFile read =
+        cli::read_site_file(site, {"effect.ground_drag.coefficient=0.9", "effect.1.rolling=0.2"});
+    ASSERT_EQ(read.settings.effects.size(), 2U);
+    EXPECT_EQ(read.settings.effects[0].effect.value("coefficient"), 0.9);
+    EXPECT_EQ(read.settings.effects[0].soil, "loose waste");
+    EXPECT_EQ(read.settings.effects[1].effect.value("friction"), 0.3);
+    EXPECT_EQ(read.settings.effects[1].effect.value("rolling"), 0.2);
+    EXPECT_TRUE(std::isnan(read.settings.effects[1].effect.value("restitution")));
+    const Outcome checked = scree_program({"check", site});
+    EXPECT_EQ(checked.code, 0) << checked.err;
+    EXPECT_THAT(checked.out,
+                HasSubstr("effects        ground_drag on loose waste: coefficient 0.7 1/s\n"
+                          "               soil_patch at the features of data/deposit_zones.gpkg: friction 0.3\n"));
+    const Outcome missing = scree_program({"check", site, "--set", "effect.net.height=3"});
+    EXPECT_EQ(missing.code, 3);
+    EXPECT_THAT(missing.err, HasSubstr("there is no [[effect]] called \"net\""));
+}
+
+// Every physical effect of the catalogue in one run; run.toml does the same run again.
+TEST(EffectRun, EveryPhysicalEffectAndTheRunAgain) {
+    const TempDir folder;
+    std::string more;
+    for (const EffectInfo& info : effect_catalogue()) {
+        if (info.hook == EffectHook::Measurement) continue;
+        more += std::string("[[effect]]\nkind = \"") + info.name + "\"\n";
+        if (info.limits.lines) more += "file = \"data/screens.gpkg\"\n";
+        if (info.kind == EffectKind::Berm) more += "width = 3.0\nheight = 0.5\n";
+        if (info.kind == EffectKind::Net) more += "capacity = 2.0\n";
+        if (info.kind == EffectKind::SoilPatch) more += "friction = 0.4\nfile = \"data/deposit_zones.gpkg\"\n";
+        if (info.kind == EffectKind::Fragmentation) more += "speed = 3.0\n";
+    }
+    const std::string site = quarry_with(folder, more);
+    const Outcome run = scree_program({"run", site, "--set", "release.count=12", "--threads", "1"});
+    ASSERT_EQ(run.code, 0) << run.err;
+    EXPECT_THAT(run.err, HasSubstr("crest"));  // the berm is narrow for cells of 1 m: said, not refused
+    const Outcome again = scree_program(
+        {"run", (folder / "out/run.toml").string(), "--output", (folder / "again").string(), "--threads", "2"});
+    ASSERT_EQ(again.code, 0) << again.err;
+    EXPECT_EQ(text_of(folder / "out/results.gpkg"), text_of(folder / "again/results.gpkg"));
+}
+
+// The same in 2D, with places by chainage and from the map.
+TEST(EffectRun, InThePlaneToo) {
+    const TempDir folder;
+    const std::string site =
+        quarry_with(folder,
+                    "[[effect]]\nkind = \"ground_drag\"\nfrom = 5.0\nto = 40.0\ncoefficient = 1.0\n"
+                    "[[effect]]\nkind = \"forest_drag\"\nfile = \"data/deposit_zones.gpkg\"\n"
+                    "[[effect]]\nkind = \"net\"\nfrom = 60.0\ncapacity = 1e4\nheight = 30.0\n"
+                    "[[effect]]\nkind = \"berm\"\nfrom = 50.0\n"
+                    "[[effect]]\nkind = \"trees\"\n[[effect]]\nkind = \"roughness\"\n"
+                    "[[effect]]\nkind = \"fragmentation\"\nspeed = 3.0\n"
+                    "[[effect]]\nkind = \"release_motion\"\n[[effect]]\nkind = \"block_shape\"\n");
+    const std::vector<std::string> plane{"--set", "model.dimension=2", "--set", "release.count=60"};
+    std::vector<std::string> args{"run", site, "--threads", "1"};
+    args.insert(args.end(), plane.begin(), plane.end());
+    const Outcome run = scree_program(args);
+    ASSERT_EQ(run.code, 0) << run.err;
+    const Outcome again = scree_program(
+        {"run", (folder / "out/run.toml").string(), "--output", (folder / "again").string(), "--threads", "2"});
+    ASSERT_EQ(again.code, 0) << again.err;
+    EXPECT_EQ(text_of(folder / "out/results.gpkg"), text_of(folder / "again/results.gpkg"));
+    EXPECT_THAT(run.out, HasSubstr("60 blocks thrown"));
+    const Outcome free = scree_program({"run", site, "--set", "model.dimension=2", "--set", "release.count=60", "--set",
+                                        "effect.net.capacity=0", "--output", (folder / "free").string()});
+    EXPECT_NE(run.out, free.out);
+}
+
+TEST(EffectRun, MeasurementEffectsLeaveTheRunAlone) {
+    const TempDir folder;
+    const std::string site = quarry_with(folder, "[[effect]]\nkind = \"speed_error\"\n");
+    const Outcome run = scree_program({"run", site, "--set", "release.count=2"});
+    EXPECT_EQ(run.code, 0);
+    EXPECT_THAT(run.err, HasSubstr("effect speed_error acts on simulated measurements only"));
+}
+
+TEST(EffectCatalogueCommand, FitsOnOneScreen) {
+    const Outcome outcome = scree_program({"effects"});
+    EXPECT_EQ(outcome.code, 0);
+    std::istringstream lines(outcome.out);
+    std::size_t count = 0;
+    for (std::string line; std::getline(lines, line); ++count) EXPECT_LE(line.size(), 120U) << line;
+    EXPECT_LE(count, 40U);
+    for (const EffectInfo& info : effect_catalogue()) EXPECT_THAT(outcome.out, HasSubstr(info.name));
+}
+
+// What is printed of a kind ends with an entry that the reader takes.
+TEST(EffectCatalogueCommand, DetailsEndWithAnEntryToCopy) {
+    for (const EffectInfo& info : effect_catalogue()) {
+        const Outcome outcome = scree_program({"effects", info.name});
+        EXPECT_EQ(outcome.code, 0);
+        EXPECT_THAT(outcome.out, HasSubstr("formula"));
+        EXPECT_THAT(outcome.out, HasSubstr("source"));
+        const TempDir folder;
+        const std::string site = quarry_with(folder, outcome.out.substr(outcome.out.find("[[effect]]")));
+        EXPECT_NO_THROW(cli::read_site_file(site, {})) << info.name;
+    }
+    const Outcome unknown = scree_program({"effects", "gravity"});
+    EXPECT_EQ(unknown.code, 3);
+    EXPECT_THAT(unknown.err, HasSubstr("there is no effect gravity; scree effects lists them"));
+}
+
+}  // namespace
+}  // namespace scree::test
