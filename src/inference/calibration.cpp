@@ -57,13 +57,13 @@ struct Plan {
                                       : static_cast<std::size_t>(CmaEs::default_population(dimension));
         generations = positive(s.generations);
         const std::size_t coefficients = QuadraticFit::coefficients(dimension);
-        surroundings = s.surroundings > 0 ? positive(s.surroundings) : std::max<std::size_t>(30, 4 * coefficients);
+        surroundings = s.surroundings > 0 ? positive(s.surroundings) : std::max<std::size_t>(40, 5 * coefficients);
         surroundings =
             std::max(surroundings, kSurroundingRounds * (coefficients + 2));  // each round must be able to fit
     }
     std::size_t total() const {
-        return levels.size() * (screening + starts * (population * generations + kRaceSeeds)) + surroundings + 2 +
-               folds;
+        return levels.size() * (screening + starts * (population * generations + kRaceSeeds)) + surroundings +
+               (dimension > 0 ? 3 : 2) + folds;
     }
 };
 
@@ -273,20 +273,45 @@ private:
     struct Looked {
         std::vector<Eigen::VectorXd> points;
         std::vector<std::vector<double>> losses;
+        void drop(std::size_t first) {
+            points.erase(points.begin(), points.begin() + static_cast<std::ptrdiff_t>(first));
+            losses.erase(losses.begin(), losses.begin() + static_cast<std::ptrdiff_t>(first));
+        }
     };
+
+    /// What screening and search found out about the best level.
+    Looked seen_in_search() const {
+        Looked seen;
+        for (std::size_t k = 0; k < done_; ++k) {
+            const CalibrationEvaluation& e = journal_[k];
+            if (e.task.stage > CalibrationStage::Search || e.task.point.levels != result_.best.levels ||
+                !std::isfinite(fit_of(e.result, {}).loss))
+                continue;
+            seen.points.push_back(unit_point(e.task.point));
+            seen.losses.push_back(e.result.loss);
+        }
+        return seen;
+    }
 
     void look_around() {
         const Eigen::VectorXd half = Eigen::VectorXd::Constant(static_cast<Eigen::Index>(plan_.dimension), kFirstHalf);
         UnitBox box = box_around(unit_point(result_.best), half);
-        Looked looked;
+        Looked looked = seen_in_search();
+        std::size_t own = 0;
         for (std::size_t round = 0; round < kSurroundingRounds; ++round) {
             const std::size_t first = round * plan_.surroundings / kSurroundingRounds,
                               last = (round + 1) * plan_.surroundings / kSurroundingRounds;
+            const std::size_t before = looked.points.size();
             look_into(box, last - first, first, looked);
+            if (round == 0)
+                own =
+                    before;  // what the search saw helps to choose the box; its noise is not independent from point to point
+            else
+                looked.drop(own);
             fit_ = fit_of_all(box, looked);
             spread_ = spread_of_minimum(*fit_, box, problem_.records, s_.draws, stream(kDraws));
             box_ = box;
-            if (round + 1 < kSurroundingRounds) box = closer_box(spread_);
+            if (round + 1 < kSurroundingRounds) box = closer_box(spread_, box);
         }
         result_.best.values = point_at(spread_.best, {}).values;
         describe();
@@ -325,7 +350,7 @@ private:
         result_.parameters = estimates_of(spread_, p);
         result_.correlation = correlation_of(spread_);
         result_.directions = directions_of(spread_);
-        result_.surroundings = {fit_->points(), fit_->noise(even), fit_->explained(even), {}, {}};
+        result_.surroundings = {fit_->points(), fit_->noise(even), fit_->explained(even), true, {}, {}};
         for (std::size_t i = 0; i < p.size(); ++i) {
             const auto k = static_cast<Eigen::Index>(i);
             result_.surroundings.low.push_back(value_of(p[i], box_.centre[k] - box_.half[k]));
@@ -345,13 +370,36 @@ private:
 
     // --- judgement ---
 
+    /// The end of the best search stands where the quadratic led to something that is surely worse.
+    void keep_the_better(const SimulatedLoss& best, const SimulatedLoss& searched) {
+        const CalibrationFit fit = fit_of(searched, {});
+        if (!std::isfinite(fit.loss)) return;
+        if (std::isfinite(result_.best_fit.loss)) {
+            const auto n = static_cast<Eigen::Index>(problem_.records);
+            const Eigen::Map<const Eigen::VectorXd> a(best.loss.data(), n), b(searched.loss.data(), n);
+            if (interval_of_mean(a - b).low <= 0.0) return;
+        }
+        result_.surroundings.holds = false;
+        result_.best = result_.searches.front().end;
+        result_.best_fit = fit;
+        for (std::size_t i = 0; i < plan_.dimension; ++i) {
+            ParameterEstimate& e = result_.parameters[i];
+            e.value = result_.best.values[i];
+            e.interval = {std::min(e.interval.low, e.value), std::max(e.interval.high, e.value)};
+            const double u = unit_of(problem_.parameters[i], e.value);
+            e.at_low = u < kAtEdge;
+            e.at_high = u > 1.0 - kAtEdge;
+        }
+    }
+
     void judge() {
         const auto look = [&](const CalibrationPoint& point) -> const SimulatedLoss& {
             return evaluate(CalibrationStage::Judgement, point, seed(kJudgement), s_.final_repeats);
         };
-        const SimulatedLoss start = look(result_.start);
+        const SimulatedLoss start = look(result_.start), best = look(result_.best);
         result_.start_fit = fit_of(start, {});
-        result_.best_fit = fit_of(look(result_.best), {});
+        result_.best_fit = fit_of(best, {});
+        if (plan_.dimension > 0) keep_the_better(best, look(result_.searches.front().end));
         if (plan_.folds == 0) return;
 
         std::vector<std::size_t> shuffled(problem_.records);

@@ -13,15 +13,39 @@ namespace {
 
 constexpr double kBeyond = 0.25;  // how far beyond its box a quadratic is believed, in half widths [-]
 constexpr double kSpreads = 4.0;  // half width of a closer box in standard deviations of the minimum [-]
-constexpr double kLeastHalf = 0.04, kMostHalf = 0.5;  // of a box; 0.5 is the whole range [-]
-constexpr double kLow = 0.025, kHigh = 0.975;         // ends of intervals [-]
-constexpr double kOnSide = 1e-6;                      // from the side of a box [-]
+constexpr double kLeastHalf = 0.04,
+                 kMostHalf = 0.3;  // of a box; 0.5 would be the whole range, farther than quadratics hold [-]
+constexpr double kLow = 0.025, kHigh = 0.975;  // ends of intervals [-]
+constexpr double kTakesPart = 0.1;             // share of a parameter in a direction from which on it follows it [-]
+constexpr double kFlat = 0.16;                 // share of flat draws beyond which losses do not bound a parameter [-]
+constexpr double kOnSide = 1e-6;               // from the side of a box [-]
 
 /// Sides of the search for a minimum, in z.
 void sides(const UnitBox& box, Eigen::VectorXd& low, Eigen::VectorXd& high) {
     const Eigen::VectorXd reach = (1.0 + kBeyond) * box.half;
     low = ((box.centre - reach).cwiseMax(0.0) - box.centre).cwiseQuotient(box.half);
     high = ((box.centre + reach).cwiseMin(1.0) - box.centre).cwiseQuotient(box.half);
+}
+
+/// 1 for parameters along which a quadratic that is least over all others does not curve upwards. With others that make it fall without end, none does.
+Eigen::VectorXd flat_directions(const Eigen::MatrixXd& curvature) {
+    const Eigen::Index n = curvature.rows();
+    Eigen::VectorXd flat = Eigen::VectorXd::Ones(n);
+    const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(curvature);
+    // of a direction of negative curvature, those parameters are flat that take part in it
+    for (Eigen::Index i = 0; i < n; ++i) {
+        double inverse = 0.0, downwards = 0.0;
+        for (Eigen::Index k = 0; k < n; ++k) {
+            const double part = solver.eigenvectors()(i, k) * solver.eigenvectors()(i, k),
+                         value = solver.eigenvalues()[k];
+            if (value > 0.0)
+                inverse += part / value;
+            else
+                downwards += part;
+        }
+        flat[i] = downwards > kTakesPart || !(inverse > 0.0) ? 1.0 : 0.0;
+    }
+    return flat;
 }
 
 Eigen::MatrixXd covariance_of(const Eigen::MatrixXd& draws) {
@@ -43,15 +67,22 @@ MinimumSpread spread_of_minimum(const QuadraticFit& fit, const UnitBox& box, std
     MinimumSpread spread;
     spread.low = in_cube(low);
     spread.high = in_cube(high);
-    spread.best = in_cube(least_in_box(fit.quadratic(fit.coefficients_of(weights)), low, high));
+    const Quadratic whole = fit.quadratic(fit.coefficients_of(weights));
+    const Eigen::VectorXd least = least_in_box(whole, low, high);
+    spread.best = in_cube(least);
     spread.draws.resize(draws, box.centre.size());
+    spread.flat = Eigen::VectorXd::Zero(box.centre.size());
     for (Eigen::Index d = 0; d < draws; ++d) {
         weights.setZero();
         for (Eigen::Index k = 0; k < n; ++k)
             weights[static_cast<Eigen::Index>(random.below(records))] += 1.0 / static_cast<double>(n);
-        const Eigen::VectorXd coefficients =
-            fit.coefficients_of(weights) + fit.coefficient_error(fit.noise(weights), random);
-        spread.draws.row(d) = in_cube(least_in_box(fit.quadratic(coefficients), low, high)).transpose();
+        // the gradient at the minimum is drawn, the curvature is that of all records: minima of quadratics of which both are drawn lie anywhere whenever
+        // the noise happens to make them flat
+        const Quadratic drawn = fit.quadratic(fit.coefficients_of(weights) + fit.coefficient_error(weights, random));
+        Quadratic q = whole;
+        q.slope = drawn.slope + (drawn.curvature - whole.curvature) * least;
+        spread.flat += flat_directions(drawn.curvature) / static_cast<double>(draws);
+        spread.draws.row(d) = in_cube(least_in_box(q, low, high)).transpose();
     }
     return spread;
 }
@@ -69,7 +100,7 @@ UnitBox box_around(const Eigen::VectorXd& u, const Eigen::VectorXd& half) {
     return {u.cwiseMax(half).cwiseMin(Eigen::VectorXd::Ones(u.size()) - half), half};
 }
 
-UnitBox closer_box(const MinimumSpread& spread) {
+UnitBox closer_box(const MinimumSpread& spread, const UnitBox& box) {
     Eigen::VectorXd half(spread.best.size());
     for (Eigen::Index i = 0; i < half.size(); ++i) {  // from quantiles: a few draws on the sides must not widen it
         const auto values = spread.draws.col(i);
@@ -78,7 +109,8 @@ UnitBox closer_box(const MinimumSpread& spread) {
         const double deviation = 0.5 * (sample_quantile(sorted, 0.84) - sample_quantile(sorted, 0.16));
         half[i] = std::clamp(kSpreads * deviation, kLeastHalf, kMostHalf);
     }
-    return box_around(spread.best, half);
+    const Eigen::VectorXd inside = spread.best.cwiseMax(box.centre - box.half).cwiseMin(box.centre + box.half);
+    return box_around(inside, half);
 }
 
 std::vector<Eigen::VectorXd> latin_hypercube(std::size_t dimension, std::size_t count, RandomStream& random) {
@@ -118,8 +150,13 @@ std::vector<ParameterEstimate> estimates_of(const MinimumSpread& spread,
         // a minimum on the side of the box that was looked into may lie anywhere beyond it
         if (low < spread.low[column] + kOnSide) low = 0.0;
         if (high > spread.high[column] - kOnSide) high = 1.0;
-        ParameterEstimate e;
         const double u = spread.best[column];
+        // nor do losses bound it that may be level; on an end of its range a slope is enough
+        if (spread.flat[column] > kFlat && u > kAtEdge && u < 1.0 - kAtEdge) {
+            low = 0.0;
+            high = 1.0;
+        }
+        ParameterEstimate e;
         e.value = value_of(parameters[i], u);
         e.interval = {value_of(parameters[i], std::min(low, u)), value_of(parameters[i], std::max(high, u))};
         const double length = std::max(high, u) - std::min(low, u);

@@ -12,6 +12,8 @@ struct MinimumSpread {
     Eigen::VectorXd best;       ///< of all records
     Eigen::MatrixXd draws;      ///< one row per draw
     Eigen::VectorXd low, high;  ///< where minima were looked for
+    Eigen::VectorXd
+        flat;  ///< per parameter, share of the draws in which the loss does not rise to both sides of it, the others being best
 };
 
 /// Looks for minima up to a quarter of the box beyond its sides, never beyond the unit cube.
@@ -20,8 +22,9 @@ MinimumSpread spread_of_minimum(const QuadraticFit& fit, const UnitBox& box, std
 /// Likewise the minimum for some records, those with 1.
 Eigen::VectorXd minimum_for(const QuadraticFit& fit, const UnitBox& box, const std::vector<char>& records);
 
-/// The box around a minimum in which to look more closely: as wide as its spread asks for.
-UnitBox closer_box(const MinimumSpread& spread);
+/// The box in which to look more closely: as wide as the spread of the minimum asks for, around a point of the box before, because farther away nothing
+/// has been seen.
+UnitBox closer_box(const MinimumSpread& spread, const UnitBox& box);
 /// A box of half widths `half` around `u`, moved into the unit cube.
 UnitBox box_around(const Eigen::VectorXd& u, const Eigen::VectorXd& half);
 

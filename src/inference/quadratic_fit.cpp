@@ -2,6 +2,7 @@
 #include "inference/quadratic_fit.hpp"
 
 #include "scree/base/assert.hpp"
+#include "scree/inference/distance.hpp"
 
 #include <Eigen/QR>
 
@@ -26,6 +27,19 @@ Eigen::RowVectorXd features(const Eigen::VectorXd& z) {
     for (Eigen::Index i = 0; i < d; ++i)
         for (Eigen::Index j = i; j < d; ++j) f[k++] = z[i] * z[j];
     return f;
+}
+
+/// Less than 1 where the mean loss exceeds the least by more than kWall times what the median does. The least is a quantile: single points are lucky.
+Eigen::VectorXd trust_in_valley(const Eigen::MatrixXd& losses) {
+    constexpr double kLeast = 0.1, kWall = 3.0;  // a quadratic in a box rarely exceeds that [-]
+    const Eigen::VectorXd mean = losses.rowwise().mean();
+    std::vector<double> sorted(mean.begin(), mean.end());
+    std::sort(sorted.begin(), sorted.end());
+    const double least = sample_quantile(sorted, kLeast), width = kWall * (sample_quantile(sorted, 0.5) - least);
+    Eigen::VectorXd trust = Eigen::VectorXd::Ones(mean.size());
+    for (Eigen::Index k = 0; k < mean.size() && width > 0.0; ++k)
+        trust[k] = 1.0 / std::max(1.0, (mean[k] - least) / width);
+    return trust;
 }
 
 double value_at(const Quadratic& q, const Eigen::VectorXd& z) {
@@ -62,22 +76,26 @@ QuadraticFit::QuadraticFit(const std::vector<Eigen::VectorXd>& points, const Eig
     const auto columns = static_cast<Eigen::Index>(coefficients(static_cast<std::size_t>(dimension_)));
     SCREE_ASSERT(rows > columns && losses.rows() == rows);
     Eigen::MatrixXd design(rows, columns);
-    trust_.resize(rows);
+    trust_ = trust_in_valley(losses);
     for (Eigen::Index k = 0; k < rows; ++k) {
         const Eigen::VectorXd z = (points[static_cast<std::size_t>(k)] - box.centre).cwiseQuotient(box.half);
-        trust_[k] = 1.0 / std::max(1.0, z.cwiseAbs().maxCoeff());
+        trust_[k] /= std::max(1.0, z.cwiseAbs().maxCoeff());
         design.row(k) = trust_[k] * features(z);
     }
     const Eigen::CompleteOrthogonalDecomposition<Eigen::MatrixXd> solver(design);
-    error_root_ = solver.pseudoInverse();  // coefficients x points: noise at the points passes through it
+    inverse_ = solver.pseudoInverse();
     const Eigen::MatrixXd trusted = trust_.asDiagonal() * losses;
-    per_record_ = error_root_ * trusted;
+    per_record_ = inverse_ * trusted;
     residual_ = trusted - design * per_record_;
+    // noise of variance 1 at every point leaves residuals of variance (I-H) T^2 (I-H) on its diagonal
+    const Eigen::MatrixXd left = Eigen::MatrixXd::Identity(rows, rows) - design * inverse_;
+    const Eigen::VectorXd variance = left.cwiseAbs2() * trust_.cwiseAbs2();
+    shrunk_ = variance.cwiseMax(1e-12).cwiseSqrt().cwiseQuotient(trust_);
+    freedom_ = variance.sum();
 }
 
 double QuadraticFit::noise(const Eigen::VectorXd& weights) const {
-    const double freedom = static_cast<double>(residual_.rows() - per_record_.rows());
-    return (residual_ * weights).norm() / std::sqrt(freedom);
+    return (residual_ * weights).norm() / std::sqrt(freedom_);
 }
 
 double QuadraticFit::explained(const Eigen::VectorXd& weights) const {
@@ -86,10 +104,10 @@ double QuadraticFit::explained(const Eigen::VectorXd& weights) const {
     return total > 0.0 ? 1.0 - (residual_ * weights).squaredNorm() / total : 0.0;
 }
 
-Eigen::VectorXd QuadraticFit::coefficient_error(double noise, RandomStream& random) const {
-    Eigen::VectorXd z(error_root_.cols());
-    for (double& value : z) value = noise * random.normal();
-    return error_root_ * z;
+Eigen::VectorXd QuadraticFit::coefficient_error(const Eigen::VectorXd& weights, RandomStream& random) const {
+    Eigen::VectorXd error = (residual_ * weights).cwiseQuotient(shrunk_);
+    for (double& value : error) value *= random.normal();
+    return inverse_ * error;
 }
 
 Quadratic QuadraticFit::quadratic(const Eigen::VectorXd& coefficients) const {

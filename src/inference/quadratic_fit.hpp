@@ -31,7 +31,8 @@ public:
     static std::size_t coefficients(std::size_t dimension) { return (dimension + 1) * (dimension + 2) / 2; }
 
     /// `losses`: one row per point, one column per record. Needs more points than coefficients. Points outside the box count less, by the square of how
-    /// many times too far they are: they hold the quadratic where those inside leave it free.
+    /// many times too far they are: they hold the quadratic where those inside leave it free. So do points whose mean loss is far above that of most: what
+    /// the quadratic is to describe is the valley, not its walls.
     QuadraticFit(const std::vector<Eigen::VectorXd>& points, const Eigen::MatrixXd& losses, const UnitBox& box);
 
     /// Coefficients of the records' mean with these weights, which sum to one.
@@ -40,18 +41,21 @@ public:
     double noise(const Eigen::VectorXd& weights) const;
     /// Share of the variance of that mean that the quadratic explains.
     double explained(const Eigen::VectorXd& weights) const;
-    /// An error of the coefficients such as this noise gives them.
-    Eigen::VectorXd coefficient_error(double noise, RandomStream& random) const;
+    /// An error of those coefficients such as noise and misfit give them: residuals with random signs and sizes (wild bootstrap: Wu 1986, Ann Stat
+    /// 14:1261-1295), which need not be alike everywhere.
+    Eigen::VectorXd coefficient_error(const Eigen::VectorXd& weights, RandomStream& random) const;
     Quadratic quadratic(const Eigen::VectorXd& coefficients) const;
     std::size_t points() const { return static_cast<std::size_t>(losses_.rows()); }
 
 private:
     Eigen::Index dimension_ = 0;
     Eigen::VectorXd trust_;       ///< square roots of the weights of the points
+    Eigen::VectorXd shrunk_;      ///< by how much the fit shrinks the residuals of noise that is alike everywhere
+    double freedom_ = 0.0;        ///< squared residuals of unit noise, summed
     Eigen::MatrixXd losses_;      ///< points x records
     Eigen::MatrixXd per_record_;  ///< coefficients x records
     Eigen::MatrixXd residual_;    ///< points x records, times trust_
-    Eigen::MatrixXd error_root_;  ///< times a standard normal vector: an error of the coefficients for unit noise
+    Eigen::MatrixXd inverse_;     ///< coefficients x points
 };
 
 /// Where a quadratic is least between `low` and `high` (in z): exact if it is convex, else the least of what descents from the middle of the box and of

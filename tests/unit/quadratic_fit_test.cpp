@@ -73,7 +73,7 @@ TEST(QuadraticFit, KnowsItsNoiseAndTheErrorOfItsCoefficients) {
         const QuadraticFit fit(points, losses_at(points, kNoise, random), kBox);
         variance += fit.noise(first) * fit.noise(first) / kFits;
         seen += (fit.coefficients_of(first) - exact.coefficients_of(first)).squaredNorm() / kFits;
-        drawn += fit.coefficient_error(kNoise, random).squaredNorm() / kFits;
+        drawn += fit.coefficient_error(first, random).squaredNorm() / kFits;
     }
     // mean of 400 chi squares of 14 degrees of freedom: standard error 1.9 %; of sums of squares of six coefficients about 5 %
     EXPECT_NEAR(variance / (kNoise * kNoise), 1.0, 0.08);

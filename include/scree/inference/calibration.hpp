@@ -96,7 +96,7 @@ struct CalibrationSettings {
     std::int64_t generations = 8;  ///< per start; a search that is cut short leaves more to the surroundings [-]
     std::int64_t search_repeats =
         5;  ///< of each block, in screening and search: noise is cheaper than precision there [-]
-    std::int64_t surroundings = 0;    ///< points of the quadratic fit; 0: 4 per coefficient, at least 30 [-]
+    std::int64_t surroundings = 0;    ///< points of the quadratic fit; 0: 5 per coefficient, at least 40 [-]
     std::int64_t repeats = 10;        ///< of each block, in race and surroundings [-]
     std::int64_t final_repeats = 40;  ///< of each block, in the judgement [-]
     std::int64_t folds = 5;           ///< of the cross-validation, at most the records; below 2: none [-]
@@ -153,7 +153,9 @@ struct SurroundingsFit {
     std::size_t points = 0;  ///< that it rests on [-]
     double noise =
         kNaN;  ///< standard deviation of a mean loss from one simulation to the next, and what no quadratic describes [-]
-    double explained = kNaN;        ///< share of the variance of the mean losses [-]
+    double explained = kNaN;  ///< share of the variance of the mean losses [-]
+    bool holds =
+        true;  ///< false: its minimum is surely worse than the end of the best search, which then is the result
     std::vector<double> low, high;  ///< the box that they lie in [*]
 };
 
