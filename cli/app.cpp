@@ -37,6 +37,10 @@ constexpr std::array kCommands{
             Target::Site, true, true, run_run},
     Command{"compare", "Hold the model of a site against measurements: gaps in units of chance, pictures, report",
             Target::Site, true, true, run_compare},
+    Command{"calibrate", "Find the values of free keys that fit measurements best, and how well these determine them",
+            Target::Site, true, true, run_calibrate},
+    Command{"sweep", "Show what keys do, one at a time, beside the scatter from repeat to repeat", Target::Site, true,
+            true, run_sweep},
     Command{"settings", "Print the reference manual of all keys of the site file", Target::None, false, false,
             run_settings},
     Command{"effects", "Print the catalogue of effects, or all about one of them", Target::Kind, false, false,
@@ -61,7 +65,10 @@ void add_options(CLI::App& sub, const Command& command, Context& context) {
     if (command.target == Target::Site) {
         sub.add_option("SITE", context.target, "Site file (site.toml)")->type_name("")->required();
         sub.add_option("--set", context.changes,
-                       "Change a key of the site file for this run: --set release.count=50 (repeatable)")
+                       command.run == run_sweep
+                           ? "A key with the values to try, --set soil.NAME.rolling=0.02,0.05,0.1, or with one for all "
+                             "(repeatable)"
+                           : "Change a key of the site file for this run: --set release.count=50 (repeatable)")
             ->type_name("KEY=VALUE")
             ->expected(1)
             ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll)
@@ -95,14 +102,29 @@ void add_options(CLI::App& sub, const Command& command, Context& context) {
             ->type_name("")
             ->check(CLI::IsMember({"auto", "json"}));
     }
-    if (std::string(command.name) == "compare")
+    const std::string name = command.name;
+    if (name == "compare" || name == "calibrate" || name == "sweep")
         sub.add_option(
                "--observed", context.observed,
                "Measurements: a GeoPackage, a folder of tables, a table (CSV), or a folder of results of scree run "
                "(gis/README.md describes layers and columns)")
             ->type_name("OBS")
             ->required();
-    if (std::string(command.name) == "settings")
+    if (name == "calibrate") {
+        sub.add_option("--free", context.free,
+                       "A key with its range, soil.NAME.rolling=0.01:0.1 (:log searches by ratios), or with choices, "
+                       "blocks.shape=hull,box (repeatable; default: calibration.free of the site file)")
+            ->type_name("KEY=RANGE")
+            ->expected(1)
+            ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll)
+            ->check(is_change, "");
+        sub.add_flag("--resume", context.resume, "Go on with a calibration that was interrupted");
+    }
+    if (name == "sweep")
+        sub.add_option("--sets", context.sets, "Sets of blocks per value, behind the scatter (default 20)")
+            ->type_name("N")
+            ->check(CLI::Range(4, 100000).description(""));
+    if (name == "settings")
         sub.add_option("--format", context.format,
                        "markdown (the manual; the default) or toml (a site file with all defaults)")
             ->type_name("")

@@ -15,14 +15,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Prints what the audit found; true if it stops here.
-bool judge(const Context& context, const ObservedSite& observed) {
-    print_warnings(context, observed.warnings);
-    for (const Finding& f : observed.findings)
-        *context.err << (f.severity == Severity::Error ? "error: " : "warning: ") << f.sentence << "\n";
-    return observed.has_errors();
-}
-
 gis::VectorLayer observed_stops(const ObservedSite& observed) {
     gis::VectorLayer layer;
     layer.title = "Measured stops";
@@ -81,7 +73,7 @@ ExitCode run_compare(const Context& context) {
     SiteModel model = load_site(site);
     const ObservedSite observed = load_observed(site, model, context.observed);
     print_warnings(context, model.warnings);
-    if (judge(context, observed)) return ExitCode::BadInput;
+    if (print_findings(context, observed)) return ExitCode::BadInput;
     match_campaign(site, observed, model.campaign);
     model.campaign.threads = context.threads;
 

@@ -4,6 +4,7 @@
 #include "cli/site_file.hpp"
 #include "scree/base/error.hpp"
 
+#include <cstdint>
 #include <filesystem>
 #include <iosfwd>
 #include <string>
@@ -26,8 +27,11 @@ struct Context {
     int threads = 0;  ///< 0: all cores
     bool quiet = false;
     ProgressStyle progress = ProgressStyle::Automatic;
-    std::string format = "text";  ///< of `settings`
-    std::string observed;         ///< --observed: measurements of `compare`
+    std::string format = "text";    ///< of `settings`
+    std::string observed;           ///< --observed: measurements of `compare`, `calibrate` and `sweep`
+    std::vector<std::string> free;  ///< --free: of `calibrate`
+    bool resume = false;            ///< --resume: of `calibrate`
+    std::int64_t sets = 20;         ///< --sets: of `sweep` [-]
     std::ostream* out = nullptr;
     std::ostream* err = nullptr;
 
@@ -44,6 +48,8 @@ ExitCode run_terrain(const Context& context);
 ExitCode run_profile(const Context& context);
 ExitCode run_run(const Context& context);
 ExitCode run_compare(const Context& context);
+ExitCode run_calibrate(const Context& context);
+ExitCode run_sweep(const Context& context);
 ExitCode run_settings(const Context& context);
 ExitCode run_effects(const Context& context);
 
@@ -51,6 +57,9 @@ ExitCode run_effects(const Context& context);
 std::string version();
 /// Prints warnings to the error stream, each once.
 void print_warnings(const Context& context, const std::vector<std::string>& warnings);
+struct ObservedSite;
+/// Prints what the audit of measurements found; true if it stops here.
+bool print_findings(const Context& context, const ObservedSite& observed);
 /// Names unfinished folders of results beside this one. They are not removed: they could belong to a run on another machine.
 void warn_of_partial_results(const Context& context, const std::filesystem::path& folder);
 

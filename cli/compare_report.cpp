@@ -2,9 +2,8 @@
 #include "cli/compare_report.hpp"
 
 #include "cli/account.hpp"
-#include "cli/commands.hpp"
+#include "cli/html.hpp"
 #include "gis/svg.hpp"
-#include "gis/xml.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -14,15 +13,14 @@
 
 namespace scree::cli {
 
-namespace {
-
-constexpr std::size_t kNameWidth = 24, kSampleWidth = 23, kGapWidth = 22;
-
-/// A gap with as many digits as mean something.
 std::string gap_number(double value) {
     if (!std::isfinite(value)) return "-";
     return gis::axis_number(value, value < 9.995 ? 0.01 : value < 99.95 ? 0.1 : 1.0);
 }
+
+namespace {
+
+constexpr std::size_t kNameWidth = 24, kSampleWidth = 23, kGapWidth = 22;
 
 std::string chance_text(const Gap& gap) {
     return gap_number(gap.chance.low) + " to " + gap_number(gap.chance.high);
@@ -58,20 +56,6 @@ std::string simulated_text(const ComparedObservable& o) {
     return o.measured_share.of > 0 ? share_text(o.simulated_share) : sample_text(o.simulated_summary);
 }
 
-/// What the comparison comes to, in words.
-std::string verdict(const CompareStudy& study) {
-    if (!std::isfinite(study.overall.gap)) return "nothing can be compared";
-    std::string beyond;
-    for (const ComparedObservable& o : study.observables)
-        if (o.gap.pooled.beyond_chance() || (o.gap.score && o.gap.score->beyond_chance()))
-            beyond += (beyond.empty() ? "" : ", ") + o.gap.observable.name;
-    const bool overall = study.overall.beyond_chance() || (study.overall_score && study.overall_score->beyond_chance());
-    if (overall) return "beyond chance" + (beyond.empty() ? std::string() : ": " + beyond);
-    return beyond.empty() ? "within chance: these measurements cannot tell the simulation from the field test"
-                          : "within chance as a whole; beyond it " + beyond + ", of " +
-                                std::to_string(study.observables.size()) + " looked at";
-}
-
 std::string unit_of(const ComparedObservable& o) {
     return o.unit == "-" ? "" : " [" + o.unit + "]";
 }
@@ -89,6 +73,19 @@ void print_row(std::ostream& out, const ComparedObservable& o) {
 }
 
 }  // namespace
+
+std::string verdict(const CompareStudy& study) {
+    if (!std::isfinite(study.overall.gap)) return "nothing can be compared";
+    std::string beyond;
+    for (const ComparedObservable& o : study.observables)
+        if (o.gap.pooled.beyond_chance() || (o.gap.score && o.gap.score->beyond_chance()))
+            beyond += (beyond.empty() ? "" : ", ") + o.gap.observable.name;
+    const bool overall = study.overall.beyond_chance() || (study.overall_score && study.overall_score->beyond_chance());
+    if (overall) return "beyond chance" + (beyond.empty() ? std::string() : ": " + beyond);
+    return beyond.empty() ? "within chance: these measurements cannot tell the simulation from the field test"
+                          : "within chance as a whole; beyond it " + beyond + ", of " +
+                                std::to_string(study.observables.size()) + " looked at";
+}
 
 std::string design_text(const CompareStudy& study, const ObservedSite& observed, const CampaignResult& campaign) {
     std::ostringstream text;
@@ -139,21 +136,6 @@ void print_comparison(std::ostream& out, const CompareStudy& study, const Observ
 // --- HTML ---
 
 namespace {
-
-std::string escaped(const std::string& text) {
-    return gis::xml_text(text);
-}
-
-constexpr const char* kStyle =
-    R"(body { font: 15px/1.45 Arial, Helvetica, 'Liberation Sans', sans-serif; color: #222; max-width: 1320px; margin: 24px auto; padding: 0 20px; }
-h1 { font-size: 24px; } h2 { font-size: 18px; margin-top: 32px; } h3 { font-size: 15px; margin-bottom: 4px; }
-table { border-collapse: collapse; margin: 10px 0; font-size: 13px; } th, td { padding: 3px 8px; text-align: right; border-bottom: 1px solid #ddd; }
-th:first-child, td:first-child { text-align: left; } td { white-space: nowrap; } @page { size: A3 landscape; } th { border-bottom: 2px solid #444; vertical-align: bottom; }
-td.beyond { color: #b04400; font-weight: bold; } tr.all td { border-top: 2px solid #444; font-weight: bold; }
-.verdict { font-size: 17px; border-left: 5px solid #0b4f8a; padding: 6px 14px; background: #f3f6fa; }
-.error { color: #a00000; } figure { margin: 18px 0; } figure svg { max-width: 100%; height: auto; }
-figcaption { color: #555; max-width: 900px; } .small { display: flex; flex-wrap: wrap; gap: 8px 24px; } .small figure { margin: 8px 0; }
-)";
 
 std::string gap_cells(const Gap& gap) {
     const char* beyond = gap.beyond_chance() ? " class=\"beyond\"" : "";
@@ -225,11 +207,6 @@ std::string findings_list(const ObservedSite& observed) {
     return html + "</ul>\n";
 }
 
-/// An SVG as it stands inside a page.
-std::string inline_svg(const std::string& svg) {
-    return svg.substr(svg.find("<svg"));
-}
-
 constexpr const char* kDefinitions =
     R"(<p><b>Gap.</b> The energy distance between measured and simulated values, divided by what it would be on average if the measured blocks were more blocks of the simulation: 1 if nothing
 differs. <b>95 %</b>: where repetitions of the test would put it. <b>Chance</b>: 95 % of the gaps that so many blocks give if nothing differs, by exchanging measured and simulated blocks; <b>p</b> is
@@ -244,33 +221,26 @@ Simulated values carry the errors, the averaging and the limits of the measureme
 std::string compare_html(const CompareStudy& study, const ObservedSite& observed, const CampaignResult& campaign,
                          const std::vector<Figure>& figures) {
     std::ostringstream html;
-    html << "<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><title>" << escaped(study.title)
-         << ": measured and simulated</title><style>\n"
-         << kStyle << "</style></head><body>\n<h1>" << escaped(study.title)
-         << ": measured and simulated</h1>\n<p class=\"verdict\">" << escaped(verdict(study)) << "</p>\n<p>"
+    html << "<p class=\"verdict\">" << escaped(verdict(study)) << "</p>\n<p>"
          << escaped(design_text(study, observed, campaign)) << ". Distance " << escaped(observed.axis_text)
          << ".</p>\n";
-    const auto show = [&](const Figure& f) {
-        html << "<figure>" << inline_svg(f.svg)
-             << (f.caption.empty() ? "" : "<figcaption>" + escaped(f.caption) + "</figcaption>") << "</figure>\n";
-    };
     for (const Figure& f : figures) {
         if (!f.caption.empty()) {
             html << "<h2>" << escaped(f.title) << "</h2>\n";
-            show(f);
+            html << html_figure(f);
         }
     }
     html << "<h2>Distributions</h2>\n<div class=\"small\">\n";
     for (const Figure& f : figures)
-        if (f.caption.empty()) show(f);
+        if (f.caption.empty()) html << html_figure(f);
     html << "</div>\n<h2>Numbers</h2>\n"
          << observables_table(study, observed.observations.matched) << kDefinitions << distances_table(study)
          << shares_table(study.zones, "at rest in deposit zone", false)
          << shares_table(study.beyond_screens, "stopped beyond screen, at distance along", true)
          << shares_table(study.beyond, "stopped beyond distance along", true) << "<h2>Measurements</h2>\n<ul>\n";
     for (const std::string& source : observed.sources) html << "<li>" << escaped(source) << "</li>\n";
-    html << "</ul>\n" << findings_list(observed) << "<p>scree " << version() << "</p>\n</body></html>\n";
-    return html.str();
+    html << "</ul>\n" << findings_list(observed);
+    return html_page(study.title + ": measured and simulated", html.str());
 }
 
 }  // namespace scree::cli

@@ -21,6 +21,12 @@ std::string compare_html(const CompareStudy& study, const ObservedSite& observed
 void print_comparison(std::ostream& out, const CompareStudy& study, const ObservedSite& observed,
                       const CampaignResult& campaign);
 
+/// A gap with as many digits as mean something.
+std::string gap_number(double value);
+
+/// What the gaps say, in one sentence.
+std::string verdict(const CompareStudy& study);
+
 /// "12 blocks, each simulated 100 times ..." in one sentence.
 std::string design_text(const CompareStudy& study, const ObservedSite& observed, const CampaignResult& campaign);
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "cli/observed_site.hpp"
 
+#include "cli/commands.hpp"
 #include "gis/observation_reader.hpp"
 #include "scree/base/error.hpp"
 #include "scree/base/units.hpp"
@@ -9,6 +10,7 @@
 #include <cmath>
 #include <iomanip>
 #include <map>
+#include <ostream>
 #include <set>
 #include <sstream>
 
@@ -261,7 +263,7 @@ private:
     void set_operator() {
         ObservationOperator& op = result_.op;
         op.least_speed = s_.least_speed;
-        op.lateral = s_.lateral;
+        op.lateral = s_.lateral && !model_.in_plane();  // blocks on a profile cannot leave it
         if (s_.runout_limit > 0.0) op.runout_limit = s_.runout_limit;
         op.origin = release_centre(model_.release.layer);
         std::ostringstream text;
@@ -332,6 +334,14 @@ private:
 double highest_start(const SiteModel& model, const Observations& observations) {
     const CampaignInput& c = model.campaign;
     double highest = -kInfinity;
+    if (model.in_plane()) {
+        for (std::uint64_t k = 0; k < kPlacesLookedAt; ++k) {
+            const ProfileRelease::Place place = c.profile_release->draw(c.seed, k);
+            const double ground = model.terrain.surface->height(c.tracks[place.profile].profile.place_at(place.s));
+            highest = std::max(highest, ground + c.release.height + c.release.height_spread);
+        }
+        return highest + kStartSlack;
+    }
     const std::int64_t tried = std::min(c.release.count, kStartsLookedAt);
     const auto blocks = static_cast<std::int64_t>(observations.blocks.size());
     for (std::int64_t k = 0; k < tried + blocks; ++k) {
@@ -383,6 +393,13 @@ void match_campaign(const SiteFile& site, const ObservedSite& observed, Campaign
     campaign.population.in_turn = true;
     campaign.release.count =
         site.settings.observed.repeats * static_cast<std::int64_t>(observed.observations.blocks.size());
+}
+
+bool print_findings(const Context& context, const ObservedSite& observed) {
+    print_warnings(context, observed.warnings);
+    for (const Finding& f : observed.findings)
+        *context.err << (f.severity == Severity::Error ? "error: " : "warning: ") << f.sentence << "\n";
+    return observed.has_errors();
 }
 
 }  // namespace scree::cli

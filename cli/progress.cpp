@@ -62,12 +62,12 @@ void Progress::finish(std::int64_t done) {
 
 void Progress::show(std::int64_t done, bool last) {
     const double elapsed = std::chrono::duration<double>(Clock::now() - start_).count();
-    const double rate = static_cast<double>(done) / std::max(elapsed, 1e-9);
+    const double rate = static_cast<double>(done - skipped_) / std::max(elapsed, 1e-9);
     const double left = rate > 0.0 ? static_cast<double>(total_ - done) / rate : 0.0;
     if (json_) {
         err_ << "{\"event\": \"progress\", \"what\": \"" << what_ << "\", \"done\": " << done
-             << ", \"total\": " << total_ << ", \"rate_per_s\": " << rate << ", \"seconds_left\": " << left << "}"
-             << std::endl;
+             << ", \"total\": " << total_ << ", \"rate_per_s\": " << rate << ", \"seconds_left\": " << left
+             << (note_.empty() ? "" : ", \"note\": \"" + note_ + "\"") << "}" << std::endl;
         return;
     }
     if (quiet_) return;
@@ -77,12 +77,13 @@ void Progress::show(std::int64_t done, bool last) {
         line << ", " << duration_text(elapsed);
     else
         line << ", " << duration_text(left) << " left";
+    if (!note_.empty()) line << "; " << note_;
     if (terminal_) {
         const int width = 30;
         const int filled = static_cast<int>(width * static_cast<double>(done) /
                                             static_cast<double>(std::max<std::int64_t>(total_, 1)));
         err_ << "\r[" << std::string(static_cast<std::size_t>(filled), '=')
-             << std::string(static_cast<std::size_t>(width - filled), ' ') << "] " << line.str() << "   "
+             << std::string(static_cast<std::size_t>(width - filled), ' ') << "] " << line.str() << "\033[K"
              << (last ? "\n" : "") << std::flush;
     } else {
         err_ << line.str() << std::endl;

@@ -16,6 +16,10 @@ class Progress {
 public:
     Progress(const Context& context, std::string what, std::int64_t total);
     void update(std::int64_t done);
+    /// Words behind the numbers, from the next line on: "search, gap 1.3".
+    void note(std::string words) { note_ = std::move(words); }
+    /// The first so many were done before: they do not count for the rate.
+    void skip(std::int64_t done) { skipped_ = done; }
     /// The last state, always shown, and the end of the line.
     void finish(std::int64_t done);
 
@@ -23,8 +27,8 @@ private:
     void show(std::int64_t done, bool last);
 
     std::ostream& err_;
-    std::string what_;
-    std::int64_t total_;
+    std::string what_, note_;
+    std::int64_t total_, skipped_ = 0;
     bool quiet_, json_, terminal_;
     std::chrono::steady_clock::time_point start_, shown_;
 };

@@ -103,6 +103,18 @@ bool read_flag(const toml::node& node, const std::string& where, const std::stri
     return *value;
 }
 
+std::vector<std::string> read_texts(const toml::node& node, const std::string& where, const std::string& name) {
+    const toml::array* list = node.as_array();
+    if (!list) refuse(where, name, node, kTextsAllowed);
+    std::vector<std::string> texts;
+    for (const toml::node& entry : *list) {
+        const auto value = entry.value_exact<std::string>();
+        if (!value) refuse(where, name, entry, kTextsAllowed);
+        texts.push_back(*value);
+    }
+    return texts;
+}
+
 std::size_t read_choice(const toml::node& node, const std::string& where, const std::string& name,
                         std::span<const char* const> names) {
     const auto value = node.value_exact<std::string>();

@@ -7,6 +7,7 @@
 #include <limits>
 #include <span>
 #include <string>
+#include <vector>
 
 /// Builders of rows, for the files that hold tables of settings.
 namespace scree::cli {
@@ -31,8 +32,10 @@ std::int64_t read_integer(const toml::node& node, const std::string& where, cons
                           const Range& range);
 std::string read_text(const toml::node& node, const std::string& where, const std::string& name, bool path);
 bool read_flag(const toml::node& node, const std::string& where, const std::string& name);
+std::vector<std::string> read_texts(const toml::node& node, const std::string& where, const std::string& name);
 std::size_t read_choice(const toml::node& node, const std::string& where, const std::string& name,
                         std::span<const char* const> names);
+inline constexpr const char* kTextsAllowed = "a list of texts in quotes, [\"...\", \"...\"]";
 /// "grid", "tin"
 std::string choice_text(std::span<const char* const> names);
 
@@ -84,6 +87,24 @@ struct Row {
     template <class Access>
     Setting<S> path(std::string key, Access at, std::string help) const {
         return text(std::move(key), at, std::move(help), true);
+    }
+
+    template <class Access>
+    Setting<S> texts(std::string key, Access at, std::string help) const {
+        return {section,
+                key,
+                "-",
+                kTextsAllowed,
+                help,
+                [=, name = section + "." + key](S& s, const toml::node& node, const std::string& where) {
+                    at(s) = read_texts(node, where, name);
+                },
+                [=](const S& s) {
+                    std::string list;
+                    for (const std::string& entry : at(const_cast<S&>(s)))
+                        list += (list.empty() ? "" : ", ") + quoted(entry);
+                    return "[" + list + "]";
+                }};
     }
 
     template <class Access>

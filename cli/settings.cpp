@@ -303,6 +303,38 @@ void add_observed(std::vector<Setting<SiteSettings>>& keys) {
         observed.text("line_layer", AT(observed.line.layer), "Layer of that file; empty if it has only one."));
 }
 
+void add_calibration(std::vector<Setting<SiteSettings>>& keys) {
+    const Row<SiteSettings> c{"calibration"};
+    keys.push_back(
+        c.texts("free", AT(calibration.free),
+                "What is calibrated, each as a key of this file with its range, \"soil.NAME.rolling=0.01:0.1\" "
+                "(with :log at its end it is searched by ratios), or with the choices to try, "
+                "\"blocks.shape=hull,box,eota\". Numbers and choices of [[soil]], [[effect]], [blocks], [release] and "
+                "[model]."));
+    keys.push_back(c.integer("starts", {1, 1000}, AT(calibration.search.starts),
+                             "Searches, shared out among the choices, at least one each. More find remote minima."));
+    keys.push_back(c.integer(
+        "screening", {0, 1e5}, AT(calibration.search.screening),
+        "Simulations spread over the ranges before the search, per choice; 0: four per parameter, at least 8."));
+    keys.push_back(c.integer("population", {0, 1e4}, AT(calibration.search.population),
+                             "Candidates of a generation, with common random numbers; 0: 4 + 3 ln(parameters)."));
+    keys.push_back(c.integer("generations", {0, 1e4}, AT(calibration.search.generations), "Of each search."));
+    keys.push_back(c.integer("search_repeats", {3, 1e5}, AT(calibration.search.search_repeats),
+                             "How often every measured block is simulated in screening and search."));
+    keys.push_back(c.integer(
+        "surroundings", {0, 1e5}, AT(calibration.search.surroundings),
+        "Simulations around the best point, behind estimates and intervals; 0: five per coefficient of a quadratic, "
+        "at least 40. More narrow the intervals down to what the test allows."));
+    keys.push_back(c.integer("repeats", {3, 1e5}, AT(calibration.search.repeats),
+                             "How often every measured block is simulated there."));
+    keys.push_back(c.integer("final_repeats", {5, 1e5}, AT(calibration.search.final_repeats),
+                             "Likewise for the gaps before, after and held out."));
+    keys.push_back(c.integer("folds", {0, 1000}, AT(calibration.search.folds),
+                             "Parts into which the measured blocks are cut, each predicted from the others; 0: none."));
+    keys.push_back(c.integer("draws", {100, 1e6}, AT(calibration.search.draws),
+                             "Samples of the measured blocks behind the intervals."));
+}
+
 }  // namespace
 
 std::span<const Setting<SiteSettings>> site_keys() {
@@ -315,6 +347,7 @@ std::span<const Setting<SiteSettings>> site_keys() {
         add_profile(k);
         add_screens(k);
         add_observed(k);
+        add_calibration(k);
         add_output(k);
         return k;
     }();
@@ -356,6 +389,7 @@ std::string section_help(const std::string& section) {
     if (section == "screens") return "Where passing blocks are measured.";
     if (section == "deposit_zones") return "Where stopped blocks are counted.";
     if (section == "observed") return "How a field test measured, and how `scree compare` holds the model against it.";
+    if (section == "calibration") return "What `scree calibrate` may change, and how long it looks.";
     if (section == "output") return "What is written where.";
     return {};
 }

@@ -156,7 +156,16 @@ void read_effects(const toml::node& node, const std::string& file, std::vector<E
     for (const toml::node& entry : *list) effects.push_back(read_effect(*entry.as_table(), file));
 }
 
-/// Puts `--set section.key=value` into the table as if it stood in the file. The value is TOML; what is no TOML is a text.
+/// The value of a change as TOML; what is no TOML is a text.
+toml::table changed_value(const std::string& text) {
+    try {
+        return toml::parse("value = " + text);
+    } catch (const toml::parse_error&) {
+        return toml::table{{"value", text}};
+    }
+}
+
+/// Puts `--set section.key=value` into the table as if it stood in the file.
 void apply_change(toml::table& table, const std::string& change) {
     const auto equals = change.find('=');
     const auto dot = change.find('.');
@@ -164,12 +173,7 @@ void apply_change(toml::table& table, const std::string& change) {
         throw InputError("--set " + change + " is not of the form section.key=value, such as terrain.resolution=2");
     const std::string section = change.substr(0, dot), text = change.substr(equals + 1);
     std::string key = change.substr(dot + 1, equals - dot - 1);
-    toml::table holder;
-    try {
-        holder = toml::parse("value = " + text);
-    } catch (const toml::parse_error&) {
-        holder.insert_or_assign("value", text);
-    }
+    const toml::table holder = changed_value(text);
     const toml::node& value = *holder.get("value");
     toml::table* target = nullptr;
     if (section == "soil" || section == "effect") {
@@ -271,6 +275,34 @@ SiteFile read_site_file(const std::filesystem::path& file, const std::vector<std
             if (known == site_keys().end()) unknown_key(location(name, value), key_name);
             known->read(site.settings, value, location(name, value));
         }
+    }
+    check_together(site);
+    return site;
+}
+
+SiteFile with_changes(SiteFile site, const std::vector<std::string>& changes) {
+    const std::string where = site.file.string() + " (changed)";
+    for (const std::string& change : changes) {
+        const auto equals = change.find('=');
+        const std::string name = change.substr(0, equals);
+        const toml::table holder =
+            changed_value(equals == std::string::npos ? std::string() : change.substr(equals + 1));
+        const toml::node& value = *holder.get("value");
+        const auto dot = name.rfind('.');
+        Soil* soil = nullptr;
+        for (Soil& s : site.settings.soils)
+            if (name.starts_with("soil.") && dot != std::string::npos && name.substr(0, dot) == "soil." + s.name)
+                soil = &s;
+        const auto soil_key = std::find_if(soil_keys().begin(), soil_keys().end(),
+                                           [&](const auto& k) { return soil && name.substr(dot + 1) == k.key; });
+        const auto site_key =
+            std::find_if(site_keys().begin(), site_keys().end(), [&](const auto& k) { return k.name() == name; });
+        if (soil_key != soil_keys().end())
+            soil_key->read(*soil, value, where);
+        else if (site_key != site_keys().end())
+            site_key->read(site.settings, value, where);
+        else
+            unknown_key(where, name);
     }
     check_together(site);
     return site;

@@ -26,4 +26,7 @@ struct SiteFile {
 /// are errors. Settings that belong together are checked against each other.
 SiteFile read_site_file(const std::filesystem::path& file, const std::vector<std::string>& changes);
 
+/// A site as read, with other values of some keys ("release.height=3", "soil.NAME.rolling=0.05"), in memory: the file is not read again.
+SiteFile with_changes(SiteFile site, const std::vector<std::string>& changes);
+
 }  // namespace scree::cli

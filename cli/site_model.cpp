@@ -29,11 +29,6 @@ std::vector<DepositZone> make_deposit_zones(const gis::VectorData& data, const s
 BlockPopulation make_population(const SiteFile& site, SiteModel& model) {
     const SiteSettings& s = site.settings;
     BlockPopulation population;
-    population.in_turn = s.block_order == BlockOrder::InTurn;
-    population.distribution = s.distribution;
-    population.shape.shape = s.shape;
-    population.shape.points = s.points;
-    population.shape.polygon_points = s.polygon_points;
     if (s.shape == BlockShape::File) {
         population.shape.file_points = read_shape_points(site.resolve(s.shape_file));
         model.inputs.push_back(site.resolve(s.shape_file).string());
@@ -108,6 +103,23 @@ void add_release_area(const SiteFile& site, SiteModel& model) {
                                  " start cells: some cells release no block");
 }
 
+void apply_parameters(const SiteFile& site, CampaignInput& c) {
+    const SiteSettings& s = site.settings;
+    c.population.in_turn = s.block_order == BlockOrder::InTurn;
+    c.population.distribution = s.distribution;
+    c.population.shape.shape = s.shape;
+    c.population.shape.points = s.points;
+    c.population.shape.polygon_points = s.polygon_points;
+    c.soils = s.soils;
+    c.dynamics = s.dynamics;
+    c.dynamics.kept_problems = static_cast<int>(s.contact_problems);
+    c.release = s.releases;
+    c.release.azimuth = radians_from_degrees(s.azimuth_deg);
+    c.release.elevation = radians_from_degrees(s.elevation_deg);
+    c.seed = static_cast<std::uint64_t>(s.seed);
+    for (std::size_t k = 0; k < c.effects.size(); ++k) c.effects[k].values = s.effects[k].effect.values;
+}
+
 SiteModel load_site(const SiteFile& site) {
     const SiteSettings& s = site.settings;
     SiteModel model;
@@ -140,15 +152,9 @@ SiteModel load_site(const SiteFile& site) {
         model.inputs.push_back(site.resolve(s.deposit_zones.file).string());
         c.deposit_zones = make_deposit_zones(*model.deposit_zones, s.deposit_zones.field);
     }
-    c.soils = s.soils;
     c.effects = model.terrain.effects;
-    c.dynamics = s.dynamics;
-    c.release = s.releases;
-    c.release.azimuth = radians_from_degrees(s.azimuth_deg);
-    c.release.elevation = radians_from_degrees(s.elevation_deg);
-    c.seed = static_cast<std::uint64_t>(s.seed);
+    apply_parameters(site, c);
     c.kept_trajectories = s.trajectories;
-    c.dynamics.kept_problems = static_cast<int>(s.contact_problems);
     if (s.dimension == 2)
         add_profiles(site, model);
     else

@@ -30,6 +30,10 @@ struct SiteModel {
 
 SiteModel load_site(const SiteFile& site);
 
+/// What needs no file: soils, mechanics, seed, how blocks are shaped and released. For calls by the thousand with other values of such keys; the list of
+/// blocks, the points of the shape "file" and everything of the terrain stay as they were loaded.
+void apply_parameters(const SiteFile& site, CampaignInput& campaign);
+
 /// Lines, or outlines of polygons, with the names in the field.
 std::vector<Screen> make_screens(const gis::VectorData& data, const std::string& field);
 

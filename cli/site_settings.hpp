@@ -6,6 +6,7 @@
 #include "scree/ensemble/population.hpp"
 #include "scree/ensemble/release.hpp"
 #include "scree/geometry/profile_trace.hpp"
+#include "scree/inference/calibration.hpp"
 
 #include <array>
 #include <cstdint>
@@ -65,6 +66,12 @@ struct ObservedSettings {
     VectorInput line;          ///< guiding line
 };
 
+/// What is calibrated and how; 0 leaves numbers to CalibrationSettings.
+struct CalibrateSettings {
+    std::vector<std::string> free;  ///< "soil.NAME.friction=0.3:0.9", "blocks.shape=hull,box"
+    CalibrationSettings search;     ///< without the seed
+};
+
 /// A site as its file describes it. Defaults here are the defaults of the keys; the table in settings.cpp says what each is.
 struct SiteSettings {
     std::string name = "Scree";
@@ -115,6 +122,7 @@ struct SiteSettings {
 
     std::vector<EffectSettings> effects;
     ObservedSettings observed;
+    CalibrateSettings calibration;
 
     std::string output_directory = "out";
     std::int64_t trajectories = 100;     ///< [-]

@@ -3,6 +3,7 @@
 
 #include "gis/crs.hpp"
 #include "gis/crs_transform.hpp"
+#include "gis/observation_reader.hpp"
 #include "gis/table_reader.hpp"
 #include "gis/vector_reader.hpp"
 #include "gis/words.hpp"
@@ -122,6 +123,7 @@ RecordTable read_layer_records(const std::string& file, const std::string& layer
     source.file = file;
     source.layer = layer;
     source.kinds = {GeometryKind::Point, GeometryKind::Polygon};
+    if (layer == kSharesTable) source.kinds.push_back(GeometryKind::LineString);  // zones along profiles
     source.purpose = "observations";
     source.may_reach_beyond = true;  // the audit of the observations says so in its own words
     source.geometry_optional = true;

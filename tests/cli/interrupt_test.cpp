@@ -11,6 +11,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <array>
 #include <csignal>
 #include <cstdio>
@@ -113,6 +114,39 @@ TEST(Interrupt, OfAComparisonWritesNothing) {
     EXPECT_EQ(run.wait(), 130);
     EXPECT_THAT(last, HasSubstr("nothing is written"));
     EXPECT_EQ(contents_of(folder.path()).size(), 1U);
+}
+
+TEST(Interrupt, CalibrationKeepsItsSimulationsAndGoesOn) {
+    const TempDir folder;
+    const fs::path out = folder / "out", journal = folder / "out.journal.jsonl";
+    put(folder / "zones.csv", "name,count,released\n3A,5,30\n4A,25,30\n");
+    std::vector<std::string> args{"calibrate",       (quarry_a() / "site.toml").string(),
+                                  "--observed",      (folder / "zones.csv").string(),
+                                  "--output",        out.string(),
+                                  "--progress=json", "--quiet",
+                                  "--set",           "model.dimension=2"};
+    for (const char* option :
+         {"--free", "soil.compact waste.rolling=0.01:0.2", "--set", "calibration.screening=100000"})
+        args.emplace_back(option);
+    const auto interrupted = [&](Process& run) {  // as soon as it reports progress; the last line that it says
+        std::string line = run.line(), last;
+        while (!line.empty() && line.find("\"done\"") == std::string::npos) line = run.line();
+        EXPECT_THAT(line, HasSubstr("\"done\"")) << "the calibration never reported progress";
+        run.interrupt();
+        for (line = run.line(); !line.empty(); line = run.line()) last = line;
+        EXPECT_EQ(run.wait(), 130);
+        return last;
+    };
+    Process run(args);
+    EXPECT_THAT(interrupted(run), HasSubstr("--resume goes on from there"));
+    EXPECT_FALSE(fs::exists(out));
+    const std::string kept = text_of(journal);
+    EXPECT_GT(std::count(kept.begin(), kept.end(), '\n'), 1);
+
+    args.emplace_back("--resume");
+    Process again(args);
+    interrupted(again);
+    EXPECT_TRUE(text_of(journal).starts_with(kept)) << "nothing is simulated twice";
 }
 
 }  // namespace

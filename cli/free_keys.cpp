@@ -1,0 +1,206 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "cli/free_keys.hpp"
+
+#include "cli/settings.hpp"
+#include "scree/base/error.hpp"
+
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <cmath>
+
+namespace scree::cli {
+
+namespace {
+
+/// Sections whose keys take effect without reading files again.
+constexpr std::array<const char*, 5> kFreeSections{"soil", "effect", "blocks", "release", "model"};
+
+/// A key as the tables of settings describe it.
+struct KnownKey {
+    std::string allowed, unit, value;  ///< value: as it stands
+    bool is_path = false;
+};
+
+template <class S>
+KnownKey known(const Setting<S>& key, const S& settings) {
+    return {key.allowed, key.unit, key.show(settings), key.is_path};
+}
+
+/// A number of an [[effect]]; berms are not among them, as they stand in the terrain.
+bool find_effect_key(const SiteFile& site, const std::string& name, KnownKey& found) {
+    const auto dot = name.rfind('.');
+    for (const EffectSettings& e : site.settings.effects) {
+        const EffectInfo& info = effect_info(e.effect.kind);
+        if (info.hook == EffectHook::Terrain || name.substr(0, dot) != std::string("effect.") + info.name) continue;
+        for (const auto& k : effect_keys(e.effect.kind))
+            if (k.key == name.substr(dot + 1)) {
+                found = known(k, e);
+                return true;
+            }
+    }
+    return false;
+}
+
+/// False if there is no such key.
+bool find_key(const SiteFile& site, const std::string& name, KnownKey& found) {
+    if (name.starts_with("effect.")) return find_effect_key(site, name, found);
+    if (name.starts_with("soil.")) {
+        const auto last = name.rfind('.');
+        const std::string soil_name = last > 5 ? name.substr(5, last - 5) : std::string(), key = name.substr(last + 1);
+        for (const Soil& soil : site.settings.soils)
+            for (const auto& k : soil_keys())
+                if (soil.name == soil_name && k.key == key) {
+                    found = known(k, soil);
+                    return true;
+                }
+        return false;
+    }
+    for (const auto& k : site_keys())
+        if (k.name() == name) {
+            found = known(k, site.settings);
+            return true;
+        }
+    return false;
+}
+
+std::string trimmed(const std::string& text) {
+    const auto first = text.find_first_not_of(" \t"), last = text.find_last_not_of(" \t");
+    return first == std::string::npos ? std::string() : text.substr(first, last - first + 1);
+}
+
+std::vector<std::string> split(const std::string& text, char separator) {
+    std::vector<std::string> parts;
+    std::size_t begin = 0;
+    for (std::size_t end = 0; end != std::string::npos; begin = end + 1) {
+        end = text.find(separator, begin);
+        parts.push_back(trimmed(text.substr(begin, end == std::string::npos ? end : end - begin)));
+    }
+    return parts;
+}
+
+bool read_number(const std::string& text, double& value) {
+    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+    return error == std::errc() && end == text.data() + text.size() && std::isfinite(value);
+}
+
+std::string unquoted(const std::string& text) {
+    return text.size() >= 2 && (text.front() == '"' || text.front() == '\'') ? text.substr(1, text.size() - 2) : text;
+}
+
+/// A choice as TOML: flags as they are, names in quotes.
+std::string choice_text(const std::string& level) {
+    return level == "true" || level == "false" ? level : "\"" + level + "\"";
+}
+
+class Reader {
+public:
+    Reader(const SiteFile& site, std::string entry) : site_(site), entry_(std::move(entry)) {}
+
+    void read(FreeKeys& keys) const {
+        const auto equals = entry_.find('=');
+        if (equals == std::string::npos) refuse("is not of the form KEY=LOW:HIGH or KEY=A,B,C");
+        const std::string name = trimmed(entry_.substr(0, equals)), text = trimmed(entry_.substr(equals + 1));
+        const std::string section = name.substr(0, name.find('.'));
+        KnownKey key;
+        if (!find_key(site_, name, key))
+            refuse("names no key of this site (scree settings lists all; soils are soil.NAME.key)");
+        const bool may = std::find(kFreeSections.begin(), kFreeSections.end(), section) != kFreeSections.end();
+        const bool number = key.allowed.starts_with("a number") || key.allowed.starts_with("a whole number");
+        const bool choice = key.allowed.starts_with("\"") || key.allowed == "true or false";
+        if (!may || key.is_path || (!number && !choice) || name == "model.seed" || name == "model.dimension" ||
+            name == "release.count")
+            refuse(
+                "names a key that cannot be calibrated: take numbers and choices of [[soil]], [[effect]], [blocks], "
+                "[release] and [model]");
+        for (const auto& p : keys.problem.parameters)
+            if (p.name == name) refuse("frees " + name + " a second time");
+        for (const auto& c : keys.problem.choices)
+            if (c.name == name) refuse("frees " + name + " a second time");
+        number ? add_parameter(keys, name, key, text) : add_choice(keys, name, key, text);
+    }
+
+private:
+    [[noreturn]] void refuse(const std::string& what) const {
+        throw InputError("free parameter \"" + entry_ + "\" " + what);
+    }
+
+    void add_parameter(FreeKeys& keys, const std::string& name, const KnownKey& key, const std::string& text) const {
+        const std::vector<std::string> parts = split(text, ':');
+        CalibrationParameter p;
+        p.name = name;
+        if (parts.size() < 2 || parts.size() > 3 || (parts.size() == 3 && parts[2] != "log") ||
+            !read_number(parts[0], p.low) || !read_number(parts[1], p.high))
+            refuse("needs a range, " + name + "=LOW:HIGH or " + name + "=LOW:HIGH:log");
+        p.logarithmic = parts.size() == 3;
+        read_number(key.value, p.start);
+        if (!(p.low < p.high)) refuse("has an empty range: LOW must be below HIGH");
+        if (p.logarithmic && p.low <= 0.0) refuse("is searched by ratios: its range must begin above 0");
+        if (p.start < p.low || p.start > p.high)
+            refuse("does not contain the value of the site, " + key.value +
+                   ": widen the range, or change the value with --set");
+        keys.problem.parameters.push_back(p);
+        keys.units.push_back(key.unit);
+        keys.whole.push_back(key.allowed.starts_with("a whole number"));
+        for (const double end : {p.low, p.high})  // the table of settings knows what is allowed
+            with_changes(site_, {name + "=" + keys.text(keys.units.size() - 1, end)});
+    }
+
+    void add_choice(FreeKeys& keys, const std::string& name, const KnownKey& key, const std::string& text) const {
+        CalibrationChoice choice;
+        choice.name = name;
+        choice.levels = split(text, ',');
+        if (choice.levels.size() < 2)
+            refuse("needs at least two choices, " + name + "=A,B; allowed are " + key.allowed);
+        for (const std::string& level : choice.levels) {
+            if (std::count(choice.levels.begin(), choice.levels.end(), level) > 1) refuse("names " + level + " twice");
+            if (name == "blocks.shape" && level == "file" && unquoted(key.value) != "file")
+                refuse("cannot try the shape file: it would have to be that of the site");
+            with_changes(site_, {name + "=" + choice_text(level)});
+        }
+        const auto own = std::find(choice.levels.begin(), choice.levels.end(), unquoted(key.value));
+        if (own == choice.levels.end())
+            refuse("does not contain the choice of the site, " + key.value + ": add it, or change it with --set");
+        choice.start = static_cast<std::size_t>(own - choice.levels.begin());
+        keys.problem.choices.push_back(std::move(choice));
+    }
+
+    const SiteFile& site_;
+    std::string entry_;
+};
+
+}  // namespace
+
+std::string FreeKeys::text(std::size_t i, double value) const {
+    if (whole[i]) return std::to_string(std::llround(value));
+    char buffer[32];
+    return {buffer, std::to_chars(buffer, buffer + sizeof buffer, value).ptr};  // the shortest that reads back the same
+}
+
+std::vector<std::string> FreeKeys::changes(const CalibrationPoint& point) const {
+    std::vector<std::string> list;
+    for (std::size_t i = 0; i < point.values.size(); ++i)
+        list.push_back(problem.parameters[i].name + "=" + text(i, point.values[i]));
+    for (std::size_t i = 0; i < point.levels.size(); ++i)
+        list.push_back(problem.choices[i].name + "=" + choice_text(problem.choices[i].levels[point.levels[i]]));
+    return list;
+}
+
+FreeKeys read_free_keys(const SiteFile& site, const std::vector<std::string>& entries) {
+    if (entries.empty())
+        throw InputError(site.file.string() +
+                         ": nothing is free to be calibrated: give --free KEY=LOW:HIGH, or free = [\"KEY=LOW:HIGH\"] "
+                         "in [calibration]; "
+                         "for example --free \"soil." +
+                         site.settings.soils.front().name + ".rolling=0.01:0.1\"");
+    FreeKeys keys;
+    for (const std::string& entry : entries) Reader(site, entry).read(keys);
+    return keys;
+}
+
+std::string value_of_key(const SiteFile& site, const std::string& key) {
+    KnownKey found;
+    return find_key(site, key, found) ? unquoted(found.value) : std::string();
+}
+
+}  // namespace scree::cli

@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include "cli/site_file.hpp"
+#include "scree/inference/calibration.hpp"
+
+#include <string>
+#include <vector>
+
+namespace scree::cli {
+
+/// Keys of a site file that a calibration may change.
+struct FreeKeys {
+    CalibrationProblem problem;      ///< without the records; names are keys, "soil.loose waste.rolling"
+    std::vector<std::string> units;  ///< one per parameter, "m"
+    std::vector<bool> whole;         ///< parameters that are whole numbers
+
+    /// A point as `--set` changes.
+    std::vector<std::string> changes(const CalibrationPoint& point) const;
+    /// A value of parameter `i` as it goes into a site file.
+    std::string text(std::size_t i, double value) const;
+};
+
+/// Reads ranges and choices such as "soil.loose waste.rolling=0.01:0.1", "release.height=1:6", "blocks.points=10:80:log", "blocks.shape=hull,box". The
+/// values of the site are where the uncalibrated model stands. Throws InputError that names the entry and says what is allowed.
+FreeKeys read_free_keys(const SiteFile& site, const std::vector<std::string>& entries);
+
+/// "KEY=VALUE" of a site as it stands, in the words of a site file; empty if there is no such key.
+std::string value_of_key(const SiteFile& site, const std::string& key);
+
+}  // namespace scree::cli

@@ -1,0 +1,221 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// `scree calibrate` and `scree sweep` on quarry_a in 2D, against field tests that scree made itself with another ground: what they find, what they write,
+// how a calibration goes on, and what is refused. Budgets are small: that they find it at the stated rate is for verification/calibration_test.cpp.
+#include "cli/program.hpp"
+#include "cli/results.hpp"
+#include "support/paths.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+namespace scree::test {
+namespace {
+
+using nlohmann::json;
+using testing::Gt;
+using testing::HasSubstr;
+using testing::IsEmpty;
+using testing::Lt;
+using testing::Not;
+namespace fs = std::filesystem;
+
+constexpr int kMeasured = 30;
+constexpr double kRolling = 0.15;  // of compact waste in the field test; the site has 0.05 [m]
+
+/// A field test as a folder of results: quarry_a in 2D with another seed and another ground.
+fs::path field_test(const TempDir& folder) {
+    EXPECT_EQ(run_quarry_a(folder / "field",
+                           {"--set", "release.count=" + std::to_string(kMeasured), "--seed", "2", "--set",
+                            "model.dimension=2", "--set", "soil.compact waste.rolling=" + std::to_string(kRolling)})
+                  .code,
+              0);
+    return folder / "field";
+}
+
+Outcome in_plane(const std::string& command, const fs::path& observed, const fs::path& output,
+                 const std::vector<std::string>& more) {
+    std::vector<std::string> args{command,      (quarry_a() / "site.toml").string(),
+                                  "--observed", observed.string(),
+                                  "--output",   output.string(),
+                                  "--set",      "model.dimension=2"};
+    args.insert(args.end(), more.begin(), more.end());
+    return scree_program(args);
+}
+
+Outcome calibrate(const fs::path& observed, const fs::path& output, const std::vector<std::string>& more = {}) {
+    std::vector<std::string> args{"--free", "soil.compact waste.rolling=0.01:1:log"};
+    for (const char* set : {"starts=1", "screening=6", "generations=2", "search_repeats=4", "surroundings=16",
+                            "repeats=5", "final_repeats=8", "folds=2", "draws=300"}) {
+        args.push_back("--set");
+        args.push_back(std::string("calibration.") + set);
+    }
+    args.insert(args.end(), {"--set", "observed.draws=200"});
+    args.insert(args.end(), more.begin(), more.end());
+    return in_plane("calibrate", observed, output, args);
+}
+
+TEST(Calibrate, FindsTheGroundOfTheFieldTestAndWritesASiteFileThatHasIt) {
+    const TempDir folder;
+    const fs::path observed = field_test(folder), out = folder / "out";
+    const Outcome run = calibrate(observed, out, {"--threads", "1"});
+    ASSERT_EQ(run.code, 0) << run.err;
+    EXPECT_THAT(run.out, HasSubstr("calibrated on 30 measured blocks"));
+    EXPECT_THAT(run.out, HasSubstr("held out (2 folds)"));
+
+    const json j = json::parse(text_of(out / "calibrate.json"));
+    const json& rolling = j.at("parameters").at(0);
+    EXPECT_EQ(rolling.at("key"), "soil.compact waste.rolling");
+    EXPECT_EQ(rolling.at("before"), 0.05);
+    // one test of thirty blocks, whose interval may miss by a little; how often it may is for the tests of the search
+    EXPECT_LE(rolling.at("interval_95")[0], 1.3 * kRolling);
+    EXPECT_GE(rolling.at("interval_95")[1], kRolling / 1.3);
+    EXPECT_EQ(rolling.at("identified"), "identified");
+    EXPECT_GT(j.at("gaps_before").at("overall").at("gap").get<double>(), 2.0);
+    EXPECT_LT(j.at("gaps_calibrated").at("overall").at("gap"), j.at("gaps_before").at("overall").at("gap"));
+    EXPECT_LT(j.at("fit_held_out").at("loss"), j.at("fit_before").at("loss"));
+    EXPECT_EQ(j.at("folds").size(), 2U);
+    EXPECT_EQ(j.at("plausible_values").size(), 300U);
+
+    for (const char* name : {"report.html", "calibrated.toml", "journal.jsonl", "results.gpkg", "SHA256SUMS",
+                             "figures/parameters.svg", "figures/course.svg", "figures/overview.svg"})
+        EXPECT_TRUE(fs::exists(out / name)) << name;
+    EXPECT_FALSE(fs::exists(folder / "out.journal.jsonl")) << "it has done its work";
+    for (const auto& [name, bytes] : contents_of(out)) {
+        if (name == "calibrated.toml") continue;  // it leads to the inputs
+        EXPECT_EQ(bytes.find(folder.path().string()), std::string::npos) << name;
+        EXPECT_EQ(bytes.find(quarry_a().string()), std::string::npos) << name;
+        if (!name.ends_with(".svg") && !name.ends_with(".html")) continue;
+        EXPECT_THAT(bytes, Not(HasSubstr("nan"))) << name;
+    }
+
+    // the site file stands on its own, says where it comes from, and keeps the rest of the site
+    const std::string site = text_of(out / "calibrated.toml");
+    EXPECT_THAT(site, HasSubstr("# Calibrated by scree calibrate"));
+    EXPECT_THAT(site, HasSubstr("(measured), sha256"));
+    EXPECT_EQ(scree_program({"check", (out / "calibrated.toml").string()}).code, 0);
+    const Outcome compared =
+        scree_program({"compare", (out / "calibrated.toml").string(), "--observed", observed.string(), "--output",
+                       (folder / "compared").string(), "--set", "observed.repeats=8", "--set", "observed.draws=200"});
+    ASSERT_EQ(compared.code, 0) << compared.err;
+    EXPECT_THAT(compared.out, HasSubstr("=> within chance"));
+
+    // byte for byte on any number of threads, and from half a journal
+    const fs::path again = folder / "again";
+    ASSERT_EQ(calibrate(observed, again, {"--threads", "3"}).code, 0);
+    EXPECT_THAT(differing_files(out, again), IsEmpty());
+    const std::string journal = text_of(out / "journal.jsonl");
+    put(folder / "half.journal.jsonl", journal.substr(0, journal.size() / 2));
+    const Outcome resumed = calibrate(observed, folder / "half", {"--resume"});
+    ASSERT_EQ(resumed.code, 0) << resumed.err;
+    EXPECT_THAT(differing_files(out, folder / "half"), IsEmpty());
+}
+
+TEST(Calibrate, TellsChoicesApartAndTakesFreeKeysFromTheSiteFile) {
+    const TempDir folder;
+    EXPECT_EQ(run_quarry_a(folder / "field", {"--set", "release.count=" + std::to_string(kMeasured), "--seed", "2",
+                                              "--set", "model.dimension=2", "--set", "blocks.shape=box"})
+                  .code,
+              0);
+    const Outcome run =
+        in_plane("calibrate", folder / "field", folder / "out",
+                 {"--set", R"(calibration.free=["blocks.shape=hull,box"])", "--set", "calibration.repeats=8", "--set",
+                  "calibration.final_repeats=8", "--set", "observed.draws=100"});
+    ASSERT_EQ(run.code, 0) << run.err;
+    const json j = json::parse(text_of(folder / "out" / "calibrate.json"));
+    EXPECT_EQ(j.at("calibrated").at("blocks.shape"), "box");
+    EXPECT_EQ(j.at("before").at("blocks.shape"), "hull");
+    EXPECT_THAT(j.at("searches")[1].at("behind_best_95")[0].get<double>(), Gt(0.0));
+    EXPECT_THAT(text_of(folder / "out" / "calibrated.toml"), HasSubstr("shape = 'box'"));
+}
+
+TEST(Calibrate, RefusesWhatCannotBeCalibrated) {
+    const TempDir folder;
+    put(folder / "zones.csv", "name,count,released\n3A,5,30\n4A,25,30\n");
+    const auto refused = [&](const std::string& free) {
+        const Outcome run = in_plane("calibrate", folder / "zones.csv", folder / "out", {"--free", free});
+        EXPECT_EQ(run.code, 3) << free;
+        EXPECT_THAT(run.out, IsEmpty());
+        EXPECT_EQ(contents_of(folder.path()).size(), 1U) << "nothing is written";
+        return run.err;
+    };
+    EXPECT_THAT(refused("soil.sand.rolling=0.01:0.1"), HasSubstr("names no key of this site"));
+    EXPECT_THAT(refused("soil.loose waste.rolling=0.05"), HasSubstr("needs a range"));
+    EXPECT_THAT(refused("soil.loose waste.rolling=0.1:0.01"), HasSubstr("empty range"));
+    EXPECT_THAT(refused("soil.loose waste.rolling=0.05:0.1"),
+                HasSubstr("does not contain the value of the site, 0.04"));
+    EXPECT_THAT(refused("soil.loose waste.restitution=0:1:log"), HasSubstr("must begin above 0"));
+    EXPECT_THAT(refused("soil.loose waste.restitution=0:2"), HasSubstr("from 0 to 1"));
+    EXPECT_THAT(refused("terrain.resolution=0.5:2"), HasSubstr("cannot be calibrated"));
+    EXPECT_THAT(refused("model.seed=1:20"), HasSubstr("cannot be calibrated"));
+    EXPECT_THAT(refused("blocks.shape=hull"), HasSubstr("at least two choices"));
+    EXPECT_THAT(refused("blocks.shape=hull,cube"), HasSubstr("cube"));
+    EXPECT_THAT(refused("blocks.shape=box,eota"), HasSubstr("does not contain the choice of the site"));
+    const Outcome nothing =
+        in_plane("calibrate", folder / "zones.csv", folder / "out", {"--set", "calibration.free=[]"});
+    EXPECT_EQ(nothing.code, 3);
+    EXPECT_THAT(nothing.err, HasSubstr("nothing is free"));
+}
+
+TEST(Calibrate, GoesOnOnlyWithItsOwnJournal) {
+    const TempDir folder;
+    put(folder / "zones.csv", "name,count,released\n3A,5,30\n4A,25,30\n");
+    const Outcome none = calibrate(folder / "zones.csv", folder / "out", {"--resume"});
+    EXPECT_EQ(none.code, 3);
+    EXPECT_THAT(none.err, HasSubstr("there is no calibration to go on with"));
+    put(folder / "out.journal.jsonl", "{\"calibration\":\"another\"}\n");
+    const Outcome left = calibrate(folder / "zones.csv", folder / "out");
+    EXPECT_EQ(left.code, 3);
+    EXPECT_THAT(left.err, HasSubstr("--resume"));
+    const Outcome other = calibrate(folder / "zones.csv", folder / "out", {"--resume"});
+    EXPECT_EQ(other.code, 3);
+    EXPECT_THAT(other.err, HasSubstr("belongs to a calibration of something else"));
+    EXPECT_EQ(text_of(folder / "out.journal.jsonl"), "{\"calibration\":\"another\"}\n") << "left as it was";
+}
+
+TEST(Sweep, TellsApartWhatMattersFromWhatDoesNot) {
+    const TempDir folder;
+    const fs::path observed = field_test(folder), out = folder / "out";
+    const Outcome run = in_plane("sweep", observed, out,
+                                 {"--sets", "12", "--set", "soil.compact waste.rolling=0.05,0.15", "--set",
+                                  "model.time_limit=100,200", "--set", "release.count=10,90"});
+    ASSERT_EQ(run.code, 0) << run.err;
+    EXPECT_THAT(run.out, HasSubstr("12 sets per value"));
+    const json j = json::parse(text_of(out / "sweep.json"));
+    ASSERT_EQ(j.at("values").size(), 6U);
+    const auto value = [&](std::size_t k) { return j.at("values")[k]; };
+    EXPECT_THAT(value(0).at("told_apart").get<double>(), Lt(0.35)) << "the value that the site has";
+    EXPECT_THAT(value(1).at("told_apart").get<double>(), Gt(0.8));
+    EXPECT_THAT(value(1).at("gap_to_site").at("mean").get<double>(), Gt(2.0));
+    EXPECT_THAT(value(1).at("gap_to_test").get<double>(), Lt(value(0).at("gap_to_test").get<double>()));
+    EXPECT_THAT(value(2).at("told_apart").get<double>(), Lt(0.35));
+    EXPECT_EQ(value(2).at("measures"), value(3).at("measures")) << "no block moves for so long";
+    // scatter falls with the root of the number of blocks: a factor of 3 from 10 to 90, known from 12 sets within a factor of 1.8 or so
+    const auto scatter = [&](std::size_t k) {
+        return value(k).at("measures").at("distance along, mean").at("deviation").get<double>();
+    };
+    EXPECT_EQ(value(4).at("blocks_per_set"), 10);
+    EXPECT_EQ(value(5).at("blocks_per_set"), 90);
+    EXPECT_THAT(scatter(4) / scatter(5), testing::AllOf(Gt(1.6), Lt(5.5)));
+    for (const char* name : {"report.html", "sweep.csv", "figures/sweep.svg", "results.gpkg"})
+        EXPECT_TRUE(fs::exists(out / name)) << name;
+    EXPECT_THAT(text_of(out / "figures" / "sweep.svg"), Not(HasSubstr("nan")));
+}
+
+TEST(Sweep, RefusesBeforeAnythingIsComputed) {
+    const TempDir folder;
+    put(folder / "zones.csv", "name,count,released\n3A,5,30\n4A,25,30\n");
+    const auto refused = [&](const std::string& set) {
+        const Outcome run = in_plane("sweep", folder / "zones.csv", folder / "out", {"--set", set});
+        EXPECT_EQ(run.code, 3) << set;
+        EXPECT_EQ(contents_of(folder.path()).size(), 1U);
+        return run.err;
+    };
+    EXPECT_THAT(refused("release.height=2"), HasSubstr("no key has several values"));
+    EXPECT_THAT(refused("release.height=2,,3"), HasSubstr("empty value"));
+    EXPECT_THAT(refused("release.height=2,high"), HasSubstr("release.height"));
+    EXPECT_THAT(refused("soil.loose waste.restitution=0,0.5,2"), HasSubstr("from 0 to 1"));
+}
+
+}  // namespace
+}  // namespace scree::test
