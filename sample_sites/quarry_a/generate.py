@@ -22,6 +22,7 @@ MODEL = Model(east=890000.0, north=6670000.0,   # [m] round numbers, no quarry l
               bearing_south_of_east=math.radians(7.0))  # the path is not aligned with the grid, as in nature
 
 RELEASE_SIDE = 4.0                  # [m]
+AROUND_RELEASE = 3.0                # strip around it that belongs to the third soil of three_zones.toml [m]
 
 RELEASE_HEIGHT = 265.0              # ground at the release centre [m]
 DUMP_EDGE = -5.0                    # s of the edge of the tipping plateau [m]
@@ -116,6 +117,13 @@ def write_vectors(folder):
         (MODEL.between(crest_1, crest_2), "compact waste", "first cut and track"),
         (MODEL.between(crest_2, MODEL.straight(MODEL.length)), "compact waste", "second cut and platform")])
 
+    h = RELEASE_SIDE / 2.0 + AROUND_RELEASE
+    around = MODEL.path_polygon([(-h, -h), (h, -h), (h, h), (-h, h)])
+    write_layer(folder / "zones_release.gpkg", ogr.wkbPolygon, ["soil", "part"], [
+        (MODEL.between(MODEL.straight(MARGIN_WITHOUT_SOIL), crest_1).Difference(around), "loose waste", "plateau and upper slope"),
+        (around, "release ground", "release area"),
+        (MODEL.between(crest_1, MODEL.straight(MODEL.length)), "compact waste", "cuts, track and platform")])
+
     h = RELEASE_SIDE / 2.0
     write_layer(folder / "release.gpkg", ogr.wkbPolygon, ["name"],
                 [(MODEL.path_polygon([(-h, -h), (h, -h), (h, h), (-h, h)]), "release A")])
@@ -133,7 +141,7 @@ def main():
     parser.add_argument("--output", type=Path, default=Path(__file__).resolve().parent / "data", metavar="DIR")
     folder = parser.parse_args().output
     folder.mkdir(parents=True, exist_ok=True)
-    for name in ("dtm.tif", "zones.gpkg", "release.gpkg", "screens.gpkg", "deposit_zones.gpkg", "blocks.csv"):
+    for name in ("dtm.tif", "zones.gpkg", "zones_release.gpkg", "release.gpkg", "screens.gpkg", "deposit_zones.gpkg", "blocks.csv"):
         (folder / name).unlink(missing_ok=True)
     write_terrain(folder / "dtm.tif", MODEL, make_heights(np.random.RandomState(SEED)))
     write_vectors(folder)
