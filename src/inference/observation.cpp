@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 namespace scree {
 
@@ -117,6 +118,60 @@ private:
     std::vector<std::vector<KinematicValues>> block_crossing_;             ///< per block and screen
 };
 
+/// Measurement effects, added up.
+class Faults {
+public:
+    explicit Faults(const ObservationOperator& op) : least_speed_(op.least_speed) {
+        for (const Effect& e : op.effects) {
+            switch (e.kind) {
+                case EffectKind::SpeedError:
+                    factor_ *= 1.0 + e.value("bias");
+                    variance_ += e.value("noise") * e.value("noise");
+                    break;
+                case EffectKind::SlowMissed:
+                    least_speed_ = std::max(least_speed_, e.value("least_speed"));
+                    break;
+                case EffectKind::HeightDatum:
+                    datum_ += e.value("offset");
+                    break;
+                case EffectKind::IdsShuffled:
+                    shuffled_ = std::max(shuffled_, e.value("share"));
+                    break;
+                default:
+                    break;
+            }
+        }
+    }
+
+    bool records(double speed) const { return speed >= least_speed_; }
+    /// The error drawn for the speed comes on top of that of the measurement.
+    void apply(KinematicValues& values, RandomStream& random) const {
+        double& speed = values[static_cast<std::size_t>(Kinematic::Speed)];
+        const double noise = std::sqrt(variance_) * random.normal();
+        speed = std::max(0.0, factor_ * speed + noise);
+        values[static_cast<std::size_t>(Kinematic::Height)] += datum_;
+    }
+    /// The numbers that the blocks of one repeat of the test are recorded under.
+    std::vector<std::int32_t> numbers(std::size_t blocks, std::uint64_t seed, std::uint64_t repeat) const {
+        std::vector<std::int32_t> number(blocks);
+        std::iota(number.begin(), number.end(), 0);
+        if (shuffled_ <= 0.0) return number;
+        RandomStream random(seed, repeat, RandomPurpose::Resampling);
+        std::vector<std::size_t> mixed;
+        for (std::size_t b = 0; b < blocks; ++b)
+            if (random.uniform() < shuffled_) mixed.push_back(b);
+        for (std::size_t k = mixed.size(); k > 1; --k) std::swap(number[mixed[k - 1]], number[mixed[random.below(k)]]);
+        return number;
+    }
+
+private:
+    double least_speed_ = 0.0;  ///< [m/s]
+    double factor_ = 1.0;       ///< of speeds [-]
+    double variance_ = 0.0;     ///< of speeds [m^2/s^2]
+    double datum_ = 0.0;        ///< added to heights [m]
+    double shuffled_ = 0.0;     ///< share of the blocks [-]
+};
+
 KinematicValues kinematics_of(const ScreenCrossing& c) {
     return {c.measured_speed, c.height, c.spin, c.energy};
 }
@@ -218,14 +273,17 @@ ObservationTable simulated_table(const CampaignResult& campaign, const Observati
     ObservationTable table = empty_table(observations, op);
     RowWriter write(table, op);
     const ErrorModel errors(observations, op.screens.size());
+    const Faults faults(op);
+    const std::size_t test = observations.matched ? observations.blocks.size() : 0;
+    std::vector<std::int32_t> numbers;
     auto next = campaign.crossings.begin();
     for (std::size_t k = 0; k < campaign.blocks.size(); ++k) {
         const BlockResult& b = campaign.blocks[k];
         const auto first = next;
         while (next != campaign.crossings.end() && next->block == static_cast<std::int64_t>(k)) ++next;
+        if (test > 0 && k % test == 0) numbers = faults.numbers(test, seed, k / test);
         if (!b.done || b.reason == StopReason::Failed) continue;
-        const auto block =
-            observations.matched ? static_cast<std::int32_t>(k % observations.blocks.size()) : std::int32_t{-1};
+        const std::int32_t block = test > 0 ? numbers[k % test] : -1;
         RandomStream random(seed, k, RandomPurpose::Observation);
         write.add(block);
         const double error = errors.of_stop(block, random);
@@ -234,14 +292,33 @@ ObservationTable simulated_table(const CampaignResult& campaign, const Observati
 
         const auto crossings = first_crossings({first, next}, op);
         for (std::size_t s = 0; s < crossings.size(); ++s) {
-            const bool seen = crossings[s] && crossings[s]->measured_speed >= op.least_speed;
-            const KinematicValues values = seen_at_screen(
-                crossings[s] ? kinematics_of(*crossings[s]) : KinematicValues{}, errors, block, s, random);
+            const bool seen = crossings[s] && faults.records(crossings[s]->measured_speed);
+            KinematicValues values = seen_at_screen(crossings[s] ? kinematics_of(*crossings[s]) : KinematicValues{},
+                                                    errors, block, s, random);
+            if (!op.effects.empty()) faults.apply(values, random);
             write.passed(static_cast<std::int32_t>(s), seen);
             if (seen) write.kinematics(static_cast<std::int32_t>(s), values);
         }
     }
     return table;
+}
+
+void shift_screens(std::span<const Effect> effects, const Axis& axis, CampaignInput& campaign) {
+    double shift = 0.0;
+    for (const Effect& e : effects)
+        if (e.kind == EffectKind::ScreenShift) shift += e.value("shift");
+    if (shift == 0.0) return;
+    for (Screen& screen : campaign.screens) {
+        const double at = axis.crossing(screen.line);
+        const double along = std::isfinite(at) ? at : axis.place(screen.line[screen.line.size() / 2]).along;
+        const Vec2 way = axis.point(along + shift) - axis.point(along);
+        for (Vec2& p : screen.line) p += way;
+    }
+    for (ProfileTrack& track : campaign.tracks) {
+        for (ProfileTrack::Mark& mark : track.marks) mark.s += shift;
+        std::erase_if(track.marks,
+                      [&](const ProfileTrack::Mark& m) { return m.s <= 0.0 || m.s >= track.profile.length(); });
+    }
 }
 
 }  // namespace scree

@@ -110,6 +110,68 @@ TEST(SimulatedTable, SeesWhatTheTestWouldHaveSeen) {
     EXPECT_DOUBLE_EQ(cell(t, {Quantity::Along, -1}, 2), 36.0) << "and counts where it was last seen";
 }
 
+TEST(SimulatedTable, MeasuresWrongAsEffectsSay) {
+    CampaignResult campaign;
+    campaign.blocks = {at_rest({50, 1}), at_rest({12, 0})};
+    campaign.crossings = {crossing_of(0, 0, 2.0, 6.0), crossing_of(1, 0, 3.0, 1.5)};
+    const auto seen = [&](EffectKind kind, const char* key, double value) {
+        Effect effect = make_effect(kind);
+        if (kind == EffectKind::SpeedError) effect.set("bias", 0.0);
+        effect.set(key, value);
+        ObservationOperator op = test_operator();
+        op.effects = {effect};
+        return simulated_table(campaign, test_observations(), op, 1);
+    };
+    const Column speed{Quantity::Speed, 0}, height{Quantity::Height, 0};
+    EXPECT_DOUBLE_EQ(cell(seen(EffectKind::SpeedError, "bias", 0.2), speed, 0), 7.2);
+    EXPECT_DOUBLE_EQ(cell(seen(EffectKind::HeightDatum, "offset", 0.3), height, 0), 0.8);
+    const ObservationTable slow = seen(EffectKind::SlowMissed, "least_speed", 2.0);
+    EXPECT_EQ(cell(slow, speed, 0), 6.0);
+    EXPECT_EQ(cell(slow, {Quantity::Passed, 0}, 1), 0.0);
+    EXPECT_EQ(cell(seen(EffectKind::GroundDrag, "coefficient", 1.0), speed, 0), 6.0) << "no effect of measurements";
+}
+
+TEST(SimulatedTable, SpreadsSpeedsByTheNoiseAndMixesNumbers) {
+    CampaignResult campaign;
+    for (int k = 0; k < 4000; ++k) {
+        campaign.blocks.push_back(at_rest({40, 0}));
+        campaign.crossings.push_back(crossing_of(k, 0, 2.0, 20.0));
+    }
+    Effect noise = make_effect(EffectKind::SpeedError), mixed = make_effect(EffectKind::IdsShuffled);
+    noise.set("bias", 0.0);
+    noise.set("noise", 2.0);
+    ObservationOperator op = test_operator();
+    op.effects = {noise, mixed};
+    const ObservationTable t = simulated_table(campaign, test_observations(), op, 7);
+    double sum = 0.0, squares = 0.0;
+    int other = 0;
+    for (std::size_t row = 0; row < t.rows(); ++row) {
+        const double v = cell(t, {Quantity::Speed, 0}, row);
+        sum += v;
+        squares += v * v;
+        other += t.block[row] != static_cast<std::int32_t>(row % 2);
+    }
+    const double n = static_cast<double>(t.rows()), mean = sum / n;
+    EXPECT_NEAR(mean, 20.0, 4.0 * 2.0 / std::sqrt(n));
+    EXPECT_NEAR(std::sqrt(squares / n - mean * mean), 2.0, 4.0 * 2.0 / std::sqrt(2.0 * n));
+    EXPECT_NEAR(other / n, 0.5, 4.0 * 0.5 / std::sqrt(0.5 * n)) << "of two numbers an even permutation swaps half";
+}
+
+TEST(ShiftScreens, MovesThemAlongTheAxisAndTheProfiles) {
+    CampaignInput campaign;
+    campaign.screens = {{"upper", {{10, -5}, {10, 5}}}};
+    ProfileTrack track;
+    track.profile = make_profile(std::vector<Vec3>{{0, 0, 10}, {20, 0, 0}}, std::vector<SoilId>{0});
+    track.marks = {{0, 10.0}, {0, 19.0}};
+    campaign.tracks.push_back(track);
+    Effect shift = make_effect(EffectKind::ScreenShift);
+    shift.set("shift", 3.0);
+    shift_screens(std::vector<Effect>{shift}, Axis(), campaign);
+    EXPECT_EQ(campaign.screens[0].line, (std::vector<Vec2>{{13, -5}, {13, 5}}));
+    ASSERT_EQ(campaign.tracks[0].marks.size(), 1U) << "the other one would stand beyond the end";
+    EXPECT_EQ(campaign.tracks[0].marks[0].s, 13.0);
+}
+
 TEST(ObservationTables, KeepOnlyTheWayAlongForAModelOfOneProfile) {
     // an axis with a bend: the first stop of the test lies at (40, 3), on it at (40, 0)
     Observations o = test_observations();

@@ -7,6 +7,7 @@
 #include <array>
 #include <cstdint>
 #include <limits>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -80,6 +81,9 @@ struct ObservationOperator {
     std::vector<std::int32_t> screen_of;  ///< screen (above) of each CampaignInput::screens [-]
     std::vector<std::string> zones;       ///< names, each once
     std::vector<std::pair<std::int32_t, Region>> zone_areas;  ///< zone (above) and an area of it
+    /// Measurement effects (effects.hpp): how this test may have measured wrong. Others are left alone, and so is broken_block: where a broken block was
+    /// struck last is not known of a simulated one.
+    std::vector<Effect> effects;
     double least_speed = 0.0;         ///< slower passages were not seen by the camera: they count as not passed [m/s]
     double runout_limit = kInfinity;  ///< stops beyond this chainage were recorded there, where the survey ended [m]
 };
@@ -119,5 +123,8 @@ ObservationTable measured_table(const Observations& observations, const Observat
 /// if matched, else of a measurement drawn at random. Depends on nothing else.
 ObservationTable simulated_table(const CampaignResult& campaign, const Observations& observations,
                                  const ObservationOperator& op, std::uint64_t seed);
+
+/// Moves the screens of a campaign to where measurement effects of the kind screen_shift say that they stood: along the axis, in 2D along the profiles.
+void shift_screens(std::span<const Effect> effects, const Axis& axis, CampaignInput& campaign);
 
 }  // namespace scree
