@@ -1,0 +1,131 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include "scree/inference/discrepancy.hpp"
+#include "scree/inference/score_test.hpp"
+
+#include <array>
+#include <cstdint>
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace scree {
+
+/// Diagnosis: what a calibrated model is missing. Knows nothing of how a simulation is run, nor of what an effect is: effects are names with a strength.
+///
+/// The calibrated model simulates every measured block many times (ResidualSpace). Chance, with the parameters free, says whether the measurements could
+/// be more of the same (global_test). If not, every effect of the catalogue is judged by how well it explains the mean residual: first by its fingerprint
+/// (ScoreTest), the finalists then by simulations at the strength and parameters that explain it best, with a Gaussian likelihood of the mean
+/// residual whose mean and covariance are simulated there (synthetic likelihood: Wood 2010, Nature 466:1102-1104). Their weights, with the price of free
+/// strengths and places and beside that of the calibrated model itself, are the answer: one name, a group that the data cannot tell apart, or none of them
+/// where the best one is rejected, too, or where the calibrated model remains a serious rival.
+
+/// One way in which an effect may act: a place, a sign, a parameter other than its strength.
+struct EffectVariant {
+    std::string label;  ///< "s = 40 to 50 m"; empty if there is one only
+    double most = 3.0;  ///< largest strength allowed, in units of the reference strength [-]
+};
+
+/// An effect that may be missing. At strength 0 it is absent.
+struct CandidateEffect {
+    std::string name;          ///< as in the catalogue
+    bool measurement = false;  ///< acts on what is measured, not on what happens
+    std::vector<EffectVariant> variants;
+};
+
+/// An effect switched on.
+struct EffectDose {
+    std::size_t effect = 0;  ///< index into the candidates
+    std::size_t variant = 0;
+    double strength = 0.0;  ///< in units of the reference strength [-]
+    bool operator==(const EffectDose&) const = default;
+};
+
+/// One simulation to be run.
+struct DiagnosisTask {
+    std::vector<double> parameters;  ///< of the calibrated model [*]
+    std::vector<EffectDose> effects;
+    std::uint64_t seed = 0;
+    std::int64_t repeats = 0;  ///< of every measured block [-]
+};
+/// The table that the test would have measured. The same task gives the same table. Nothing: it was stopped.
+using DiagnosisSimulation = std::function<std::optional<ObservationTable>(const DiagnosisTask&)>;
+
+struct DiagnosisProblem {
+    std::vector<double> calibrated;  ///< parameters of the calibrated model [*]
+    std::vector<double> low, high;   ///< ranges that they were calibrated in [*]
+    std::vector<double> step;        ///< differences for derivatives: about the parameter's uncertainty [*]
+    std::vector<CandidateEffect> effects;
+    std::vector<ObservedBlock> blocks;  ///< of the test, empty if unknown
+};
+
+struct DiagnosisSettings {
+    std::uint64_t seed = 1;
+    std::int64_t reference_repeats = 150;  ///< of every block by the calibrated model [-]
+    std::int64_t repeats = 50;  ///< of every block, per derivative and fingerprint: fewer blur what is visible [-]
+    std::int64_t draws = 999;   ///< of chance [-]
+    double level = 0.05;        ///< share of models without a flaw that are rejected [-]
+    std::size_t finalists = 6;  ///< effects that are simulated at their best strength [-]
+    int rounds = 6;             ///< of that, at most [-]
+    double prior_none = 0.5;    ///< weight of the calibrated model before the data; the effects share the rest [-]
+    double named = 0.95;        ///< weight at which one name is said; less says groups [-]
+    double group = 0.95;        ///< weight that a group has to reach [-]
+    std::size_t largest_group = 3;
+    double rejected =
+        0.05;  ///< an explanation whose own simulations look like the measurements less often than this is none [-]
+    ResidualSettings residuals;
+};
+
+enum class Verdict { None, Named, Group, Unknown, DataProblem };
+inline constexpr std::array<const char*, 5> kVerdictNames{"NONE", "NAMED", "GROUP", "UNKNOWN", "DATA PROBLEM"};
+
+/// How an effect fared.
+struct EffectFinding {
+    std::size_t effect = 0, variant = 0;  ///< the variant that explains most
+    bool visible = false;                 ///< at some strength that is allowed
+    double z = kNaN;                      ///< of its fingerprint [-]
+    double visibility = kNaN;             ///< z to expect at the reference strength [-]
+    double smallest_seen =
+        kNaN;  ///< strength that would be seen with a probability of 80 %; infinite if none of those allowed [-]
+    std::size_t seen_variant = 0;  ///< the variant that this strength is of
+    // of finalists
+    bool finalist = false;
+    double strength = kNaN;          ///< [-]
+    Interval strength_interval;      ///< 90 % [-]
+    std::vector<double> parameters;  ///< with it [*]
+    double misfit = kNaN;            ///< Q that is left [-]
+    double p = kNaN;                 ///< of so much being left if this is the answer [-]
+    double weight = 0.0;             ///< among the finalists and the calibrated model [-]
+};
+
+struct Diagnosis {
+    bool interrupted = false;  ///< nothing below is then filled
+    Verdict verdict = Verdict::None;
+    double weight_none = 1.0;             ///< of the calibrated model as it is [-]
+    std::vector<EffectFinding> answer;    ///< one if named, several of a group or data problem, best first
+    std::vector<EffectFinding> findings;  ///< of all effects, by weight, then z
+    std::vector<double>
+        parameters;  ///< of the calibrated model that was tested, moved to where its residuals ask for [*]
+    std::vector<Residual> residuals;
+    ScoreResult score;
+    GlobalTest test;
+    Eigen::MatrixXd cosines;  ///< between the effects' best variants, in the order of the candidates [-]
+    std::int64_t simulated_blocks = 0;
+};
+
+struct DiagnosisProgress {
+    const char* stage = "";
+    std::size_t done = 0, planned = 0;  ///< simulations [-]
+};
+
+Diagnosis diagnose(const DiagnosisProblem& problem, const ObservationTable& measured, const DiagnosisSettings& settings,
+                   const DiagnosisSimulation& simulate, const std::function<void(const DiagnosisProgress&)>& progress);
+
+/// What a test could see, before anything is measured: `planned` is a table with the columns and blocks of the test, in which values only say what will
+/// be measured. Of the result hold findings (visibility, smallest_seen), cosines, residuals and the limits of the global test; z and p mean nothing.
+Diagnosis plan_test(const DiagnosisProblem& problem, const ObservationTable& planned, const DiagnosisSettings& settings,
+                    const DiagnosisSimulation& simulate, const std::function<void(const DiagnosisProgress&)>& progress);
+
+}  // namespace scree

@@ -1,0 +1,477 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "scree/inference/diagnosis.hpp"
+
+#include "scree/base/assert.hpp"
+#include "scree/base/random.hpp"
+
+#include <Eigen/Cholesky>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <numeric>
+
+namespace scree {
+
+namespace {
+
+/// z beyond the limit at which four of five effects are seen: the 80 % quantile of the normal distribution [-].
+constexpr double kFourOfFive = 0.8416;
+/// 90 % interval of a normal distribution, in standard deviations [-].
+constexpr double kNinety = 1.6449;
+/// A finalist's z is at least this share of the best one's [-].
+constexpr double kFinalistShare = 0.6;
+/// Least strength that is followed, as a share of the largest [-].
+constexpr double kLeastStrength = 0.01;
+/// z to expect at the largest strength allowed, below which an effect is none that could be seen [-].
+constexpr double kLeastVisible = 2.0;
+/// How often the calibrated model is moved to where its residuals ask for [-], and by how much at least, in standard deviations.
+constexpr int kRecentrings = 2;
+constexpr double kLeastMove = 1.5;
+/// Change of the misfit, minus twice a log-likelihood, that is noise [-].
+constexpr double kSettled = 1.0;
+/// Change of the mean residual, squared and over its covariance, beside which the noise of two simulations is small [-].
+constexpr double kWorthLearning = 4.0;
+/// Samples of a simulation that its goodness of fit is judged by [-].
+constexpr std::int64_t kFitDraws = 299;
+
+/// One effect with its parameters, as far as it has been followed.
+struct Hypothesis {
+    std::size_t fingerprint = 0;
+    Eigen::VectorXd parameters;
+    double strength = 0.0;
+    double strength_deviation = kNaN;
+    double misfit = kInfinity;  ///< q + log det S [-]
+    double q = kInfinity;       ///< what is left [-]
+    double p = 0.0;
+};
+
+double log_determinant(const Eigen::LLT<Eigen::MatrixXd>& factor) {
+    return 2.0 * factor.matrixL().toDenseMatrix().diagonal().array().log().sum();
+}
+
+class Diagnoser {
+public:
+    Diagnoser(const DiagnosisProblem& problem, const ObservationTable& measured, const DiagnosisSettings& settings,
+              const DiagnosisSimulation& simulate, const std::function<void(const DiagnosisProgress&)>& progress)
+        : problem_(problem), measured_(measured), settings_(settings), simulate_(simulate), progress_(progress) {
+        SCREE_ASSERT(problem.low.size() == problem.calibrated.size() &&
+                     problem.high.size() == problem.calibrated.size() &&
+                     problem.step.size() == problem.calibrated.size());
+        calibrated_ = Eigen::Map<const Eigen::VectorXd>(problem.calibrated.data(),
+                                                        static_cast<Eigen::Index>(problem.calibrated.size()));
+        for (std::size_t e = 0; e < problem.effects.size(); ++e)
+            for (std::size_t v = 0; v < problem.effects[e].variants.size(); ++v) variants_.push_back({e, v, 1.0});
+        planned_ = 1 + kRecentrings + 2 * problem.calibrated.size() + variants_.size() +
+                   settings.finalists * (static_cast<std::size_t>(settings.rounds) + 1);
+    }
+
+    Diagnosis run(bool measured);
+
+private:
+    std::optional<ObservationTable> simulate(const char* stage, const Eigen::VectorXd& parameters,
+                                             std::vector<EffectDose> effects, std::int64_t repeats);
+    Eigen::VectorXd within_ranges(Eigen::VectorXd parameters) const;
+    bool build_space();
+    bool differentiate();
+    void take_jacobian();
+    bool recentre();
+    bool take_fingerprints();
+    void judge(Diagnosis& d) const;
+    std::vector<Hypothesis> finalists(const Diagnosis& d) const;
+    bool follow(Hypothesis& h);
+    void weigh(Diagnosis& d, std::vector<Hypothesis>& followed) const;
+    void conclude(Diagnosis& d) const;
+    double goodness_of_fit(const ResidualRows& rows, const Eigen::MatrixXd& covariance,
+                           const Eigen::MatrixXd& directions, const Eigen::VectorXd& left) const;
+
+    const DiagnosisProblem& problem_;
+    const ObservationTable& measured_;
+    const DiagnosisSettings& settings_;
+    const DiagnosisSimulation& simulate_;
+    const std::function<void(const DiagnosisProgress&)>& progress_;
+    Eigen::VectorXd calibrated_;
+    std::vector<EffectDose> variants_;  ///< of all effects, at the reference strength
+    std::optional<ResidualSpace> space_;
+    std::optional<ScoreTest> test_;
+    /// Simulations on either side of the calibrated model, of one parameter.
+    struct Difference {
+        ObservationTable above, below;
+        double width = 0.0;  ///< [*]
+    };
+    std::vector<Difference> differences_;
+    Eigen::MatrixXd jacobian_;
+    Eigen::VectorXd deviation_;
+    ResidualMean observed_;
+    std::size_t done_ = 0, planned_ = 0;
+    std::int64_t simulated_ = 0;
+    std::uint64_t next_seed_ = 0;
+};
+
+std::optional<ObservationTable> Diagnoser::simulate(const char* stage, const Eigen::VectorXd& parameters,
+                                                    std::vector<EffectDose> effects, std::int64_t repeats) {
+    if (progress_) progress_({stage, done_, std::max(planned_, done_ + 1)});
+    DiagnosisTask task{{parameters.data(), parameters.data() + parameters.size()},
+                       std::move(effects),
+                       settings_.seed + next_seed_++,
+                       repeats};
+    auto table = simulate_(task);
+    ++done_;
+    if (table) simulated_ += static_cast<std::int64_t>(table->rows());
+    return table;
+}
+
+Eigen::VectorXd Diagnoser::within_ranges(Eigen::VectorXd parameters) const {
+    for (Eigen::Index k = 0; k < parameters.size(); ++k)
+        parameters[k] = std::clamp(parameters[k], problem_.low[static_cast<std::size_t>(k)],
+                                   problem_.high[static_cast<std::size_t>(k)]);
+    return parameters;
+}
+
+bool Diagnoser::build_space() {
+    auto reference = simulate("calibrated model", calibrated_, {}, settings_.reference_repeats);
+    if (!reference) return false;
+    space_.emplace(std::move(*reference), measured_, problem_.blocks, settings_.residuals);
+    observed_ = mean_residual(space_->of(measured_));
+    return true;
+}
+
+/// Central differences, one-sided at the end of a range.
+bool Diagnoser::differentiate() {
+    deviation_.resize(calibrated_.size());
+    for (Eigen::Index k = 0; k < calibrated_.size(); ++k) {
+        const auto j = static_cast<std::size_t>(k);
+        deviation_[k] = (problem_.high[j] - problem_.low[j]) / std::sqrt(12.0);
+        Eigen::VectorXd up = calibrated_, down = calibrated_;
+        up[k] = std::min(calibrated_[k] + problem_.step[j], problem_.high[j]);
+        down[k] = std::max(calibrated_[k] - problem_.step[j], problem_.low[j]);
+        auto above = simulate("derivatives", up, {}, settings_.repeats);
+        auto below = above ? simulate("derivatives", down, {}, settings_.repeats) : std::nullopt;
+        if (!below) return false;
+        differences_.push_back({std::move(*above), std::move(*below), up[k] - down[k]});
+    }
+    take_jacobian();
+    return true;
+}
+
+/// The derivatives in the residual space of the reference.
+void Diagnoser::take_jacobian() {
+    jacobian_.resize(observed_.mean.size(), calibrated_.size());
+    for (Eigen::Index k = 0; k < calibrated_.size(); ++k) {
+        const Difference& d = differences_[static_cast<std::size_t>(k)];
+        jacobian_.col(k) =
+            (mean_residual(space_->of(d.above)).mean - mean_residual(space_->of(d.below)).mean) / d.width;
+    }
+}
+
+/// Calibrated parameters minimise another loss than the test weighs by, and the test is linear in them: it begins where its own weights put the
+/// parameters, as long as that leaves less.
+bool Diagnoser::recentre() {
+    for (int round = 0; round < kRecentrings; ++round) {
+        const ScoreTest test(row_covariance(space_->of_reference()), jacobian_, deviation_, {});
+        const ScoreResult score = test(observed_);
+        const Eigen::VectorXd before = calibrated_;
+        if (!((score.shift.array() / score.shift_deviation.array()).abs().maxCoeff() > kLeastMove)) return true;
+        std::optional<ResidualSpace> kept;
+        kept.swap(space_);
+        const ResidualMean observed = observed_;
+        const Eigen::MatrixXd jacobian = jacobian_;
+        calibrated_ = within_ranges(calibrated_ + score.shift);
+        if (!build_space()) return false;
+        take_jacobian();
+        const ScoreTest moved(row_covariance(space_->of_reference()), jacobian_, deviation_, {});
+        if (moved(observed_).q < score.q) continue;
+        calibrated_ = before;
+        space_.swap(kept);
+        observed_ = observed;
+        jacobian_ = jacobian;
+        return true;
+    }
+    return true;
+}
+
+bool Diagnoser::take_fingerprints() {
+    std::vector<Fingerprint> fingerprints;
+    for (const EffectDose& v : variants_) {
+        const auto table = simulate("fingerprints", calibrated_, {v}, settings_.repeats);
+        if (!table) return false;
+        fingerprints.push_back({mean_residual(space_->of(*table)).mean, static_cast<double>(table->rows())});
+    }
+    test_.emplace(row_covariance(space_->of_reference()), jacobian_, deviation_, std::move(fingerprints));
+    const ScoreResult score = (*test_)(observed_);
+    for (std::size_t k = 0; k < variants_.size(); ++k) {
+        const double most = problem_.effects[variants_[k].effect].variants[variants_[k].variant].most;
+        test_->judge(k, score.visibility[static_cast<Eigen::Index>(k)] * most >= kLeastVisible);
+    }
+    return true;
+}
+
+void Diagnoser::judge(Diagnosis& d) const {
+    d.residuals = space_->residuals();
+    d.score = (*test_)(observed_);
+    d.test =
+        global_test(*test_, d.score, NullRows(*space_, measured_), settings_.draws, settings_.level, settings_.seed);
+    const Eigen::MatrixXd cosines = test_->cosines(observed_.together);
+    std::vector<Eigen::Index> best;
+    for (std::size_t e = 0; e < problem_.effects.size(); ++e) {
+        EffectFinding f;
+        f.effect = e;
+        double seen = kInfinity;
+        Eigen::Index at = -1;
+        for (std::size_t k = 0; k < variants_.size(); ++k) {
+            if (variants_[k].effect != e) continue;
+            const auto i = static_cast<Eigen::Index>(k);
+            const auto better = [&](Eigen::Index a, Eigen::Index b) {  // what can be seen first
+                const bool seen_a = test_->fingerprints()[static_cast<std::size_t>(a)].judged,
+                           seen_b = test_->fingerprints()[static_cast<std::size_t>(b)].judged;
+                return seen_a != seen_b ? seen_a : d.score.z[a] > d.score.z[b];
+            };
+            if (at < 0 || better(i, at)) at = i;
+            const double strength = (d.test.z_limit + kFourOfFive) / std::max(d.score.visibility[i], 1e-9);
+            const double most = problem_.effects[e].variants[variants_[k].variant].most;
+            if (strength <= most && strength / most < seen) {  // in shares of what is allowed
+                seen = strength / most;
+                f.smallest_seen = strength;
+                f.seen_variant = variants_[k].variant;
+            }
+        }
+        if (at < 0) continue;
+        f.variant = variants_[static_cast<std::size_t>(at)].variant;
+        f.visible = test_->fingerprints()[static_cast<std::size_t>(at)].judged;
+        f.z = d.score.z[at];
+        f.visibility = d.score.visibility[at];
+        if (std::isinf(seen)) f.smallest_seen = kInfinity;
+        best.push_back(at);
+        d.findings.push_back(f);
+    }
+    const auto count = static_cast<Eigen::Index>(best.size());
+    d.cosines.resize(count, count);
+    for (Eigen::Index a = 0; a < count; ++a)
+        for (Eigen::Index b = 0; b < count; ++b)
+            d.cosines(a, b) = cosines(best[static_cast<std::size_t>(a)], best[static_cast<std::size_t>(b)]);
+}
+
+/// The best variant of every effect that comes near the best one, and of what looks like the best one.
+std::vector<Hypothesis> Diagnoser::finalists(const Diagnosis& d) const {
+    std::vector<std::size_t> order;
+    for (std::size_t k = 0; k < d.findings.size(); ++k)
+        if (d.findings[k].visible) order.push_back(k);
+    std::sort(order.begin(), order.end(),
+              [&](std::size_t a, std::size_t b) { return d.findings[a].z > d.findings[b].z; });
+    std::vector<Hypothesis> chosen;
+    for (const std::size_t k : order) {
+        if (chosen.size() == settings_.finalists) break;
+        const EffectFinding& f = d.findings[k];
+        if (!(f.z > 0.0) || (!chosen.empty() && f.z < kFinalistShare * d.findings[order.front()].z)) break;
+        Hypothesis h;
+        for (std::size_t v = 0; v < variants_.size(); ++v)
+            if (variants_[v].effect == f.effect && variants_[v].variant == f.variant) h.fingerprint = v;
+        h.parameters = calibrated_;
+        chosen.push_back(std::move(h));
+    }
+    return chosen;
+}
+
+/// Gauss-Newton on parameters and strength in residual space, with a simulation at every point; derivatives learn from them (Broyden 1965), steps that lead
+/// to worse are halved. The last simulation has as many repeats as the reference and judges: what is left of the measured residual there, with its mean
+/// and covariance, parameters and strength free.
+bool Diagnoser::follow(Hypothesis& h) {
+    const EffectDose& variant = variants_[h.fingerprint];
+    const double most = problem_.effects[variant.effect].variants[variant.variant].most;
+    const Eigen::Index count = calibrated_.size();
+    Eigen::MatrixXd directions(observed_.mean.size(), count + 1);
+    directions << jacobian_, test_->fingerprints()[h.fingerprint].change;
+    Eigen::VectorXd prior(count + 1), start(count + 1);
+    prior << deviation_.array().square().inverse().matrix(), 0.0;
+    start << calibrated_, 0.0;
+    struct Point {
+        Eigen::VectorXd at;
+        ResidualRows rows;
+        Eigen::MatrixXd covariance;  ///< of rows
+        Eigen::VectorXd mean;        ///< of rows
+        double misfit = kInfinity;
+    };
+    const auto judge = [&](Point& p) {
+        const Eigen::LLT<Eigen::MatrixXd> factor(mean_covariance(p.covariance, observed_.together));
+        const Eigen::VectorXd left = observed_.mean - p.mean, moved = p.at - start;
+        p.misfit = left.dot(factor.solve(left)) + log_determinant(factor) + moved.dot(prior.cwiseProduct(moved));
+    };
+    const auto look = [&](Point& p, std::int64_t repeats) {
+        EffectDose dose = variant;
+        dose.strength = p.at[count];
+        const auto table = simulate("finalists", p.at.head(count), {dose}, repeats);
+        if (!table) return false;
+        p.rows = space_->of(*table);
+        p.covariance = row_covariance(p.rows);
+        p.mean = mean_residual(p.rows).mean;
+        judge(p);
+        return true;
+    };
+    struct Step {
+        Eigen::VectorXd to;
+        double strength_deviation = kNaN, gain = 0.0;
+    };
+    const auto step_from = [&](const Point& p, double share) {
+        const Eigen::LLT<Eigen::MatrixXd> factor(mean_covariance(p.covariance, observed_.together));
+        const Eigen::MatrixXd WD = factor.solve(directions);
+        Eigen::MatrixXd information = directions.transpose() * WD;
+        information.diagonal() += prior;
+        const Eigen::VectorXd pull = WD.transpose() * (observed_.mean - p.mean), moved = p.at - start;
+        Step step;
+        step.to = p.at + share * information.ldlt().solve(pull - prior.cwiseProduct(moved));
+        step.to.head(count) = within_ranges(step.to.head(count));
+        step.to[count] = std::clamp(step.to[count], kLeastStrength * most, most);
+        step.strength_deviation = std::sqrt(information.inverse()(count, count));
+        step.gain = pull.dot(information.ldlt().solve(pull));
+        return step;
+    };
+
+    Point now{start, space_->of_reference(), row_covariance(space_->of_reference()),
+              Eigen::VectorXd::Zero(observed_.mean.size()), kInfinity};
+    judge(now);
+    const auto now_factor = [&] {
+        return Eigen::LLT<Eigen::MatrixXd>(mean_covariance(now.covariance, observed_.together));
+    };
+    double share = 1.0;
+    for (int round = 0; round < settings_.rounds; ++round) {
+        Point next;
+        next.at = step_from(now, share).to;
+        if (!look(next, settings_.repeats)) return false;
+        const Eigen::VectorXd way = next.at - now.at;
+        const Eigen::VectorXd foreseen = directions * way;
+        if (foreseen.dot(now_factor().solve(foreseen)) > kWorthLearning)
+            directions += (next.mean - now.mean - foreseen) * way.transpose() / way.squaredNorm();
+        const double better = now.misfit - next.misfit;
+        if (better > 0.0) now = std::move(next);
+        share = better > 0.0 ? std::min(1.0, 2.0 * share) : 0.5 * share;
+        if (std::abs(better) < kSettled) break;
+    }
+    if (!look(now, settings_.reference_repeats)) return false;
+    const Eigen::LLT<Eigen::MatrixXd> factor(mean_covariance(now.covariance, observed_.together));
+    const Eigen::VectorXd left = observed_.mean - now.mean;
+    const Step last = step_from(now, 1.0);
+    h.q = left.dot(factor.solve(left)) - last.gain;
+    h.misfit = h.q + log_determinant(factor);
+    h.parameters = last.to.head(count);
+    h.strength = last.to[count];
+    h.strength_deviation = last.strength_deviation;
+    h.p = goodness_of_fit(now.rows, now.covariance, directions, left);
+    return true;
+}
+
+/// How often as many rows of the simulation itself leave as much, with parameters and strength free for them, too.
+double Diagnoser::goodness_of_fit(const ResidualRows& rows, const Eigen::MatrixXd& covariance,
+                                  const Eigen::MatrixXd& directions, const Eigen::VectorXd& left) const {
+    const ScoreTest own(covariance, directions.leftCols(directions.cols() - 1), deviation_,
+                        {{directions.rightCols(1), kInfinity}});
+    auto misfit = [&](const ResidualMean& r) {
+        const ScoreResult s = own(r);
+        return s.q - s.z[0] * s.z[0];
+    };
+    const double measured = misfit({left, observed_.together});
+    const Eigen::VectorXd mean = mean_residual(rows).mean;
+    std::int64_t at_least = 0;
+    for (std::int64_t k = 0; k < kFitDraws; ++k) {
+        RandomStream random(settings_.seed, static_cast<std::uint64_t>(k), RandomPurpose::Resampling);
+        ResidualRows drawn(static_cast<Eigen::Index>(measured_.rows()), rows.cols());
+        for (Eigen::Index i = 0; i < drawn.rows(); ++i)
+            drawn.row(i) = rows.row(static_cast<Eigen::Index>(random.below(static_cast<std::uint64_t>(rows.rows()))));
+        ResidualMean r = mean_residual(drawn);
+        r.mean -= mean;
+        if (misfit(r) >= measured) ++at_least;
+    }
+    return static_cast<double>(at_least + 1) / static_cast<double>(kFitDraws + 1);
+}
+
+/// Posterior weights of the finalists: likelihood, times the price of the strength (Laplace's approximation with a prior that is flat over the
+/// allowed strengths) and of the choice among effects and variants. The calibrated model is weighed against the best of them by the z of its
+/// fingerprint, whose noise is that of one simulation and not of two.
+void Diagnoser::weigh(Diagnosis& d, std::vector<Hypothesis>& followed) const {
+    std::vector<double> log_weight;
+    auto price = [&](const Hypothesis& h) {
+        const EffectDose& v = variants_[h.fingerprint];
+        const CandidateEffect& effect = problem_.effects[v.effect];
+        const double strength =
+            std::sqrt(2.0 * std::numbers::pi) * h.strength_deviation / effect.variants[v.variant].most;
+        return std::log(std::min(1.0, strength) * (1.0 - settings_.prior_none) /
+                        static_cast<double>(problem_.effects.size() * effect.variants.size()));
+    };
+    for (const Hypothesis& h : followed) log_weight.push_back(-0.5 * h.misfit + price(h));
+    const auto best =
+        static_cast<std::size_t>(std::max_element(log_weight.begin(), log_weight.end()) - log_weight.begin());
+    const double z = d.score.z[static_cast<Eigen::Index>(followed[best].fingerprint)];
+    const double log_none = log_weight[best] - 0.5 * z * z - price(followed[best]) + std::log(settings_.prior_none);
+    const double most = std::max(log_weight[best], log_none);
+    double sum = std::exp(log_none - most);
+    for (const double w : log_weight) sum += std::exp(w - most);
+    d.weight_none = std::exp(log_none - most) / sum;
+    for (std::size_t k = 0; k < followed.size(); ++k) {
+        const EffectDose& v = variants_[followed[k].fingerprint];
+        EffectFinding& f = *std::find_if(d.findings.begin(), d.findings.end(),
+                                         [&](const EffectFinding& x) { return x.effect == v.effect; });
+        const double largest = problem_.effects[v.effect].variants[v.variant].most;
+        f.finalist = true;
+        f.strength = followed[k].strength;
+        f.strength_interval = {std::max(0.0, f.strength - kNinety * followed[k].strength_deviation),
+                               std::min(largest, f.strength + kNinety * followed[k].strength_deviation)};
+        f.parameters.assign(followed[k].parameters.data(),
+                            followed[k].parameters.data() + followed[k].parameters.size());
+        f.misfit = followed[k].q;
+        f.p = followed[k].p;
+        f.weight = std::exp(log_weight[k] - most) / sum;
+    }
+}
+
+/// The name, the group or neither.
+void Diagnoser::conclude(Diagnosis& d) const {
+    d.verdict = Verdict::Unknown;
+    std::vector<EffectFinding> answer;
+    double reached = 0.0;
+    for (const EffectFinding& f : d.findings) {
+        if (!f.finalist || reached >= settings_.group) break;
+        answer.push_back(f);
+        reached += f.weight;
+    }
+    if (answer.empty() || reached < settings_.group || answer.size() > settings_.largest_group) return;
+    if (answer.front().p <= settings_.rejected) return;
+    if (answer.front().weight >= settings_.named) answer.resize(1);
+    const bool of_data = std::all_of(answer.begin(), answer.end(),
+                                     [&](const EffectFinding& f) { return problem_.effects[f.effect].measurement; });
+    d.verdict = of_data ? Verdict::DataProblem : answer.size() == 1 ? Verdict::Named : Verdict::Group;
+    d.answer = std::move(answer);
+}
+
+Diagnosis Diagnoser::run(bool measured) {
+    Diagnosis d;
+    d.interrupted = true;
+    if (!build_space() || !differentiate() || (measured && !recentre()) || !take_fingerprints()) return d;
+    judge(d);
+    const bool rejected = measured && d.test.p <= settings_.level;
+    std::vector<Hypothesis> followed = rejected ? finalists(d) : std::vector<Hypothesis>{};
+    for (Hypothesis& h : followed)
+        if (!follow(h)) return d;
+    if (!followed.empty()) weigh(d, followed);
+    std::stable_sort(d.findings.begin(), d.findings.end(), [](const EffectFinding& a, const EffectFinding& b) {
+        return a.weight != b.weight ? a.weight > b.weight : a.z > b.z;
+    });
+    if (rejected) conclude(d);
+    d.parameters.assign(calibrated_.data(), calibrated_.data() + calibrated_.size());
+    d.simulated_blocks = simulated_;
+    d.interrupted = false;
+    return d;
+}
+
+}  // namespace
+
+Diagnosis diagnose(const DiagnosisProblem& problem, const ObservationTable& measured, const DiagnosisSettings& settings,
+                   const DiagnosisSimulation& simulate, const std::function<void(const DiagnosisProgress&)>& progress) {
+    return Diagnoser(problem, measured, settings, simulate, progress).run(true);
+}
+
+Diagnosis plan_test(const DiagnosisProblem& problem, const ObservationTable& planned, const DiagnosisSettings& settings,
+                    const DiagnosisSimulation& simulate,
+                    const std::function<void(const DiagnosisProgress&)>& progress) {
+    return Diagnoser(problem, planned, settings, simulate, progress).run(false);
+}
+
+}  // namespace scree

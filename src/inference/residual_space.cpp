@@ -1,0 +1,395 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "scree/inference/residual_space.hpp"
+
+#include "scree/base/assert.hpp"
+#include "scree/base/random.hpp"
+#include "scree/inference/distance.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+#include <sstream>
+
+namespace scree {
+
+namespace {
+
+const double kLevel = std::sqrt(12.0), kSpread = std::sqrt(180.0);
+/// Shares are scaled by about their standard deviation, so that all residuals are of order one [-].
+constexpr double kPassedScale = 0.5, kWindowScale = 0.3;
+/// Neighbours are the nearest of so many times as many in speed [-].
+constexpr std::size_t kPoolShare = 4;
+
+bool is_level(Quantity q) {
+    return q != Quantity::Passed && q != Quantity::InZone && q != Quantity::Energy && q != Quantity::Runout;
+}
+
+/// Logarithms, orders: zero mean and unit variance over the blocks of the test; empty where they do not vary.
+std::vector<double> standardised(std::vector<double> values) {
+    double sum = 0.0, squares = 0.0;
+    std::size_t count = 0;
+    for (const double v : values) {
+        if (!std::isfinite(v)) continue;
+        sum += v;
+        squares += v * v;
+        ++count;
+    }
+    if (count < ResidualSpace::kLeastRows) return {};
+    const double n = static_cast<double>(count), mean = sum / n, variance = squares / n - mean * mean;
+    if (!(variance > 1e-12 * (1.0 + mean * mean))) return {};
+    for (double& v : values) v = (v - mean) / std::sqrt(variance);
+    return values;
+}
+
+/// A tie is broken by a number that depends on the value's place only.
+double tie_breaker(std::uint64_t seed, std::size_t row, std::size_t column) {
+    return RandomStream(seed, row * 64 + column, RandomPurpose::Observation).uniform();
+}
+
+}  // namespace
+
+ResidualSpace::ResidualSpace(ObservationTable reference, const ObservationTable& measured,
+                             std::span<const ObservedBlock> blocks, const ResidualSettings& settings)
+    : reference_(std::move(reference)), settings_(settings) {
+    SCREE_ASSERT(reference_.columns == measured.columns);
+    std::vector<double> mass, shape, order;
+    for (const ObservedBlock& b : blocks) {
+        mass.push_back(b.has_body() ? std::log(b.mass) : kNaN);
+        shape.push_back(b.has_body() ? std::log(b.size.maxCoeff() / b.size.minCoeff()) : kNaN);
+        order.push_back(static_cast<double>(order.size()));
+    }
+    log_mass_ = standardised(mass);
+    log_shape_ = standardised(shape);
+    order_ = standardised(order);
+    const std::int32_t last =
+        reference_.block.empty() ? -1 : *std::max_element(reference_.block.begin(), reference_.block.end());
+    rows_of_stratum_.resize(static_cast<std::size_t>(last + 2));
+    for (std::size_t row = 0; row < reference_.rows(); ++row)
+        rows_of_stratum_[stratum(reference_.block[row])].push_back(static_cast<std::uint32_t>(row));
+    sorted_.resize(reference_.columns.size());
+    for (std::size_t k = 0; k < sorted_.size(); ++k) {
+        sorted_[k].resize(rows_of_stratum_.size());
+        for (std::size_t row = 0; row < reference_.rows(); ++row) {
+            const double v = reference_.values[k][row];
+            if (!std::isfinite(v)) continue;
+            sorted_[k][stratum(reference_.block[row])].push_back(v);
+        }
+        for (auto& values : sorted_[k]) std::sort(values.begin(), values.end());
+    }
+    choose(measured, settings);
+    own_ = raw(reference_, true);
+    mean_ = Eigen::VectorXd::Zero(own_.cols());
+    for (Eigen::Index k = 0; k < own_.cols(); ++k) {
+        double sum = 0.0;
+        Eigen::Index count = 0;
+        for (Eigen::Index row = 0; row < own_.rows(); ++row) {
+            if (!std::isfinite(own_(row, k))) continue;
+            sum += own_(row, k);
+            ++count;
+        }
+        mean_[k] = count > 0 ? sum / static_cast<double>(count) : 0.0;
+        own_.col(k).array() -= mean_[k];
+    }
+}
+
+/// Unknown blocks are one stratum, the first.
+std::size_t ResidualSpace::stratum(std::int32_t block) const {
+    return static_cast<std::size_t>(block + 1);
+}
+
+void ResidualSpace::choose(const ObservationTable& measured, const ResidualSettings& settings) {
+    std::vector<Residual> wanted;
+    std::vector<Column> levels;
+    std::vector<Column> screens;  // that recorded speeds, in their order along the path
+    for (const Column& c : measured.columns) {
+        if (c.quantity == Quantity::Passed) wanted.push_back({ResidualKind::Passed, c, {}, kNaN, kNaN});
+        if (is_level(c.quantity)) levels.push_back(c);
+        if (c.quantity == Quantity::Speed) screens.push_back(c);
+    }
+    for (const Column& c : levels) {
+        wanted.push_back({ResidualKind::Level, c, {}, kNaN, kNaN});
+        wanted.push_back({ResidualKind::Spread, c, {}, kNaN, kNaN});
+        if (!log_mass_.empty()) wanted.push_back({ResidualKind::MassTrend, c, {}, kNaN, kNaN});
+        if (!log_shape_.empty()) wanted.push_back({ResidualKind::ShapeTrend, c, {}, kNaN, kNaN});
+        if (!order_.empty()) wanted.push_back({ResidualKind::OrderTrend, c, {}, kNaN, kNaN});
+    }
+    for (std::size_t a = 0; a < levels.size(); ++a)
+        for (std::size_t b = a + 1; b < levels.size(); ++b)
+            if (levels[a].quantity != Quantity::Lateral && levels[b].quantity != Quantity::Lateral &&
+                (levels[a].place == levels[b].place || levels[a].quantity == Quantity::Speed ||
+                 levels[a].quantity == Quantity::Along))
+                wanted.push_back({ResidualKind::Together, levels[a], levels[b], kNaN, kNaN});
+    // from screen to screen and on to the stop
+    for (std::size_t s = 0; s < screens.size(); ++s) {
+        const Column from = screens[s];
+        if (s + 1 < screens.size())
+            wanted.push_back({ResidualKind::Innovation, screens[s + 1], from, kNaN, kNaN});
+        else
+            wanted.push_back({ResidualKind::Innovation, {Quantity::Along, -1}, from, kNaN, kNaN});
+    }
+    const std::size_t along = measured.find({Quantity::Along, -1});
+    if (along < measured.columns.size()) {
+        std::vector<double> stops;
+        for (const double v : reference_.values[along])
+            if (std::isfinite(v)) stops.push_back(v);
+        std::sort(stops.begin(), stops.end());
+        for (std::size_t w = 0; stops.size() > settings.windows && w < settings.windows; ++w) {
+            const double n = static_cast<double>(settings.windows);
+            const double from = w == 0 ? -kInfinity : sample_quantile(stops, static_cast<double>(w) / n);
+            const double to =
+                w + 1 == settings.windows ? kInfinity : sample_quantile(stops, static_cast<double>(w + 1) / n);
+            if (to > from) wanted.push_back({ResidualKind::Window, {Quantity::Along, -1}, {}, from, to});
+        }
+        if (!wanted.empty() && wanted.back().kind == ResidualKind::Window)
+            wanted.pop_back();  // the shares of all windows sum to one
+    }
+    for (const Residual& r : wanted) {
+        if (r.kind != ResidualKind::Innovation) continue;
+        ByState state{r.other, r.column, {}, {}};
+        const std::size_t speed = reference_.find(r.other), target = reference_.find(r.column);
+        if (speed == reference_.columns.size() || target == reference_.columns.size()) continue;
+        for (std::size_t row = 0; row < reference_.rows(); ++row)
+            if (std::isfinite(reference_.values[speed][row]) && std::isfinite(reference_.values[target][row]))
+                state.rows.push_back(static_cast<std::uint32_t>(row));
+        std::sort(state.rows.begin(), state.rows.end(), [&](std::uint32_t a, std::uint32_t b) {
+            return reference_.values[speed][a] < reference_.values[speed][b];
+        });
+        for (const std::uint32_t row : state.rows) state.speed.push_back(reference_.values[speed][row]);
+        states_.push_back(std::move(state));
+    }
+    residuals_ = wanted;
+    const ResidualRows rows = raw(measured, false);
+    residuals_.clear();
+    for (std::size_t k = 0; k < wanted.size(); ++k) {
+        std::size_t count = 0;
+        double least = kInfinity, most = -kInfinity;
+        for (Eigen::Index row = 0; row < rows.rows(); ++row) {
+            const double v = rows(row, static_cast<Eigen::Index>(k));
+            if (!std::isfinite(v)) continue;
+            ++count;
+            least = std::min(least, v);
+            most = std::max(most, v);
+        }
+        if (count >= kLeastRows) residuals_.push_back(wanted[k]);
+    }
+}
+
+ResidualRows ResidualSpace::of(const ObservationTable& table) const {
+    SCREE_ASSERT(table.columns == reference_.columns);
+    ResidualRows rows = raw(table, false);
+    rows.rowwise() -= mean_.transpose();
+    return rows;
+}
+
+double ResidualSpace::covariate(const std::vector<double>& of_block, std::int32_t block) const {
+    return block >= 0 && static_cast<std::size_t>(block) < of_block.size() ? of_block[static_cast<std::size_t>(block)]
+                                                                           : kNaN;
+}
+
+/// sqrt(12) (u - 1/2); a row of the reference counts among the others of its block only.
+double ResidualSpace::level(const ObservationTable& table, std::size_t row, std::size_t column, bool own) const {
+    const double v = table.values[column][row];
+    if (!std::isfinite(v)) return kNaN;
+    const std::size_t s = stratum(table.block[row]);
+    if (s >= sorted_[column].size()) return kNaN;
+    const std::vector<double>& members = sorted_[column][s];
+    if (members.size() < kLeastMembers + (own ? 1 : 0)) return kNaN;
+    const auto [first, last] = std::equal_range(members.begin(), members.end(), v);
+    const double below = static_cast<double>(first - members.begin());
+    const double equal = static_cast<double>(last - first) - (own ? 1.0 : 0.0);
+    const double count = static_cast<double>(members.size()) - (own ? 1.0 : 0.0);
+    const double u = (below + tie_breaker(settings_.seed, row, column) * (1.0 + equal)) / (count + 1.0);
+    return kLevel * (u - 0.5);
+}
+
+double ResidualSpace::share(std::size_t s, std::size_t column) const {
+    const std::vector<double>& members = sorted_[column][s];
+    if (members.size() < kLeastMembers) return kNaN;
+    return std::accumulate(members.begin(), members.end(), 0.0) / static_cast<double>(members.size());
+}
+
+/// Level of the target among the reference's rows that were in the most similar states: speed and height at the screen before, and mass.
+double ResidualSpace::innovation(const ObservationTable& table, std::size_t row, const Residual& residual,
+                                 bool own) const {
+    const auto state = std::find_if(states_.begin(), states_.end(), [&](const ByState& s) {
+        return s.screen == residual.other && s.target == residual.column;
+    });
+    if (state == states_.end() || state->rows.size() < settings_.neighbours + 1) return kNaN;
+    const std::size_t speed = reference_.find(residual.other), target = reference_.find(residual.column);
+    const std::size_t height = reference_.find({Quantity::Height, residual.other.place});
+    const double v = table.values[speed][row], value = table.values[target][row];
+    if (!std::isfinite(v) || !std::isfinite(value)) return kNaN;
+    if (v < state->speed.front() || v > state->speed.back()) return kNaN;  // nothing like it was simulated
+    const std::size_t pool = std::min(kPoolShare * settings_.neighbours, state->rows.size());
+    const auto at =
+        static_cast<std::size_t>(std::lower_bound(state->speed.begin(), state->speed.end(), v) - state->speed.begin());
+    const std::size_t begin = std::min(at > pool / 2 ? at - pool / 2 : 0, state->rows.size() - pool);
+    auto mass_of = [&](std::int32_t block) {
+        const double m = covariate(log_mass_, block);
+        return std::isfinite(m) ? m : 0.0;
+    };
+    const double spread = std::max(state->speed[begin + pool - 1] - state->speed[begin], 1e-9);
+    const double own_height = height < table.columns.size() ? table.values[height][row] : kNaN;
+    std::vector<std::pair<double, std::uint32_t>> nearest;
+    nearest.reserve(pool);
+    for (std::size_t k = begin; k < begin + pool; ++k) {
+        const std::uint32_t other = state->rows[k];
+        if (own && other == row) continue;
+        double distance = std::abs(state->speed[k] - v) / spread;
+        distance += 0.5 * std::abs(mass_of(reference_.block[other]) - mass_of(table.block[row]));
+        if (std::isfinite(own_height)) distance += std::abs(reference_.values[height][other] - own_height);
+        nearest.push_back({distance, other});
+    }
+    const std::size_t count = std::min(settings_.neighbours, nearest.size());
+    std::nth_element(nearest.begin(), nearest.begin() + static_cast<std::ptrdiff_t>(count) - 1, nearest.end());
+    double below = 0.0, equal = 0.0;
+    for (std::size_t k = 0; k < count; ++k) {
+        const double w = reference_.values[target][nearest[k].second];
+        below += w < value ? 1.0 : 0.0;
+        equal += w == value ? 1.0 : 0.0;
+    }
+    const double u =
+        (below + tie_breaker(settings_.seed, row, 32 + target) * (1.0 + equal)) / (static_cast<double>(count) + 1.0);
+    return kLevel * (u - 0.5);
+}
+
+double ResidualSpace::window(const ObservationTable& table, std::size_t row, const Residual& residual, bool own) const {
+    const std::size_t column = reference_.find(residual.column);
+    const double v = table.values[column][row];
+    const std::size_t s = stratum(table.block[row]);
+    if (!std::isfinite(v) || s >= sorted_[column].size()) return kNaN;
+    const std::vector<double>& members = sorted_[column][s];
+    if (members.size() < kLeastMembers) return kNaN;
+    const bool inside = v >= residual.from && v < residual.to;
+    double count = static_cast<double>(std::lower_bound(members.begin(), members.end(), residual.to) -
+                                       std::lower_bound(members.begin(), members.end(), residual.from));
+    double total = static_cast<double>(members.size());
+    if (own) {
+        count -= inside ? 1.0 : 0.0;
+        total -= 1.0;
+    }
+    return (inside ? 1.0 : 0.0) - count / total;
+}
+
+ResidualRows ResidualSpace::raw(const ObservationTable& table, bool own) const {
+    ResidualRows rows(static_cast<Eigen::Index>(table.rows()), static_cast<Eigen::Index>(residuals_.size()));
+    const std::size_t columns = table.columns.size();
+    std::vector<double> levels(columns);
+    for (std::size_t row = 0; row < table.rows(); ++row) {
+        for (std::size_t k = 0; k < columns; ++k)
+            levels[k] = is_level(table.columns[k].quantity) ? level(table, row, k, own) : kNaN;
+        for (std::size_t r = 0; r < residuals_.size(); ++r) {
+            const Residual& residual = residuals_[r];
+            const std::size_t column = table.find(residual.column);
+            double& out = rows(static_cast<Eigen::Index>(row), static_cast<Eigen::Index>(r));
+            switch (residual.kind) {
+                case ResidualKind::Passed: {
+                    const std::size_t s = stratum(table.block[row]);
+                    const double expected = s < sorted_[column].size() ? share(s, column) : kNaN;
+                    out = (table.values[column][row] - expected) / kPassedScale;
+                    break;
+                }
+                case ResidualKind::Level:
+                    out = levels[column];
+                    break;
+                case ResidualKind::Spread: {
+                    const double centred = levels[column] / kLevel;
+                    out = kSpread * (centred * centred - 1.0 / 12.0);
+                    break;
+                }
+                case ResidualKind::MassTrend:
+                    out = levels[column] * covariate(log_mass_, table.block[row]);
+                    break;
+                case ResidualKind::ShapeTrend:
+                    out = levels[column] * covariate(log_shape_, table.block[row]);
+                    break;
+                case ResidualKind::OrderTrend:
+                    out = levels[column] * covariate(order_, table.block[row]);
+                    break;
+                case ResidualKind::Together:
+                    out = levels[column] * levels[table.find(residual.other)];
+                    break;
+                case ResidualKind::Innovation:
+                    out = innovation(table, row, residual, own);
+                    break;
+                case ResidualKind::Window:
+                    out = window(table, row, residual, own) / kWindowScale;
+                    break;
+            }
+        }
+    }
+    return rows;
+}
+
+namespace {
+
+std::string column_words(const Column& c, std::span<const std::string> screens) {
+    const bool named = c.place >= 0 && static_cast<std::size_t>(c.place) < screens.size();
+    std::string words;
+    switch (c.quantity) {
+        case Quantity::Along:
+            return "stop along the path";
+        case Quantity::Lateral:
+            return "stop beside the path";
+        case Quantity::Runout:
+            return "runout";
+        case Quantity::InZone:
+            return "stops in a zone";
+        case Quantity::Passed:
+            words = "share that passes";
+            if (named) words.append(" ").append(screens[static_cast<std::size_t>(c.place)]);
+            return words;
+        case Quantity::Speed:
+            words = "speed";
+            break;
+        case Quantity::Height:
+            words = "passing height";
+            break;
+        case Quantity::Spin:
+            words = "spin";
+            break;
+        case Quantity::Energy:
+            words = "energy";
+            break;
+    }
+    if (named) words.append(" at ").append(screens[static_cast<std::size_t>(c.place)]);
+    return words;
+}
+
+}  // namespace
+
+std::string residual_name(const Residual& r, std::span<const std::string> screens) {
+    const std::string what = column_words(r.column, screens);
+    switch (r.kind) {
+        case ResidualKind::Passed:
+        case ResidualKind::Level:
+            return what;
+        case ResidualKind::Spread:
+            return "spread of " + what;
+        case ResidualKind::MassTrend:
+            return what + " with mass";
+        case ResidualKind::ShapeTrend:
+            return what + " with elongation";
+        case ResidualKind::OrderTrend:
+            return what + " with the order of the test";
+        case ResidualKind::Together:
+            return what + " together with " + column_words(r.other, screens);
+        case ResidualKind::Innovation:
+            return what + " of blocks with like " + column_words(r.other, screens);
+        case ResidualKind::Window: {
+            std::ostringstream s;
+            s.precision(3);
+            s << "stops ";
+            if (std::isinf(r.from))
+                s << "before " << r.to << " m";
+            else if (std::isinf(r.to))
+                s << "beyond " << r.from << " m";
+            else
+                s << "between " << r.from << " and " << r.to << " m";
+            return s.str();
+        }
+    }
+    return what;
+}
+
+}  // namespace scree

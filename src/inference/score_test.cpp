@@ -1,0 +1,215 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "scree/inference/score_test.hpp"
+
+#include "scree/base/assert.hpp"
+#include "scree/base/random.hpp"
+
+#include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
+
+#include <algorithm>
+#include <cmath>
+
+namespace scree {
+
+namespace {
+
+/// Of the largest eigenvalue of a correlation matrix: smaller ones are noise of pairs that are not known together [-].
+constexpr double kLeastEigenvalue = 1e-3;
+
+}  // namespace
+
+ResidualMean mean_residual(const ResidualRows& rows) {
+    const Eigen::MatrixXd known = rows.array().isFinite().cast<double>();
+    const Eigen::MatrixXd values = rows.array().isFinite().select(rows.array(), 0.0);
+    ResidualMean m;
+    m.together = known.transpose() * known;
+    const Eigen::ArrayXd count = m.together.diagonal().array();
+    m.mean = (count > 0.0).select(values.colwise().sum().transpose().array() / count.max(1.0), 0.0);
+    return m;
+}
+
+Eigen::MatrixXd row_covariance(const ResidualRows& rows) {
+    const ResidualMean m = mean_residual(rows);
+    const Eigen::MatrixXd known = rows.array().isFinite().cast<double>();
+    Eigen::MatrixXd centred = rows;
+    centred.rowwise() -= m.mean.transpose();
+    centred = rows.array().isFinite().select(centred.array(), 0.0);
+    Eigen::MatrixXd covariance = (centred.transpose() * centred).array() / m.together.array().max(1.0);
+    // as correlations, with the smallest eigenvalues raised: pairs of different rows need not fit each other
+    const Eigen::ArrayXd deviation = covariance.diagonal().array().max(1e-12).sqrt();
+    const Eigen::MatrixXd correlation =
+        covariance.array() / (deviation.matrix() * deviation.matrix().transpose()).array();
+    const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(correlation);
+    const Eigen::VectorXd values = eigen.eigenvalues().cwiseMax(kLeastEigenvalue * eigen.eigenvalues().maxCoeff());
+    covariance = eigen.eigenvectors() * values.asDiagonal() * eigen.eigenvectors().transpose();
+    return deviation.matrix().asDiagonal() * covariance * deviation.matrix().asDiagonal();
+}
+
+Eigen::MatrixXd mean_covariance(const Eigen::MatrixXd& of_rows, const Eigen::MatrixXd& together) {
+    const Eigen::VectorXd count = together.diagonal().cwiseMax(1.0);
+    Eigen::MatrixXd S = of_rows.array() * together.array() / (count * count.transpose()).array();
+    for (Eigen::Index k = 0; k < S.rows(); ++k)
+        if (together(k, k) < 0.5) S(k, k) = 1e6 * of_rows(k, k);  // nothing is known: no weight
+    return S;
+}
+
+ScoreTest::ScoreTest(Eigen::MatrixXd covariance, Eigen::MatrixXd jacobian, Eigen::VectorXd deviation,
+                     std::vector<Fingerprint> fingerprints)
+    : covariance_(std::move(covariance)),
+      jacobian_(std::move(jacobian)),
+      deviation_(std::move(deviation)),
+      fingerprints_(std::move(fingerprints)) {
+    SCREE_ASSERT(covariance_.rows() == covariance_.cols() && jacobian_.rows() == covariance_.rows() &&
+                 jacobian_.cols() == deviation_.size());
+}
+
+ScoreTest::Projection ScoreTest::project(const Eigen::MatrixXd& together) const {
+    Projection p;
+    p.S = mean_covariance(covariance_, together);
+    const Eigen::LLT<Eigen::MatrixXd> factor(p.S);
+    const Eigen::MatrixXd W = factor.solve(Eigen::MatrixXd::Identity(p.S.rows(), p.S.cols()));
+    const Eigen::MatrixXd WJ = W * jacobian_;
+    Eigen::MatrixXd information = jacobian_.transpose() * WJ;
+    information.diagonal().array() += deviation_.array().square().inverse();
+    p.gain = information.ldlt().solve(WJ.transpose());
+    p.deviation = information.inverse().diagonal().cwiseMax(0.0).cwiseSqrt();
+    p.P = W - WJ * p.gain;
+    return p;
+}
+
+ScoreResult ScoreTest::operator()(const ResidualMean& r) const {
+    const Projection p = project(r.together);
+    const Eigen::VectorXd Pr = p.P * r.mean;
+    ScoreResult result;
+    result.q = r.mean.dot(Pr);
+    result.shift = p.gain * r.mean;
+    result.shift_deviation = p.deviation;
+    const auto count = static_cast<Eigen::Index>(fingerprints_.size());
+    result.z.resize(count);
+    result.visibility.resize(count);
+    const double n = r.together.diagonal().maxCoeff();
+    for (Eigen::Index k = 0; k < count; ++k) {
+        const Fingerprint& f = fingerprints_[static_cast<std::size_t>(k)];
+        const double squared = f.change.dot(p.P * f.change);
+        // a fingerprint from N rows has the covariance of N rows: E f^T P f grows by trace(P S) n / N
+        const double noise = (p.P * p.S).trace() * n / f.rows;
+        result.z[k] = squared > 0.0 ? f.change.dot(Pr) / std::sqrt(squared) : 0.0;
+        result.visibility[k] = std::sqrt(std::max(squared - noise, 0.0));
+    }
+    // residuals after recalibration: (I - J gain) r, with covariance (I - J gain) S (I - J gain)^T
+    const Eigen::MatrixXd left = Eigen::MatrixXd::Identity(p.S.rows(), p.S.cols()) - jacobian_ * p.gain;
+    const Eigen::ArrayXd variance = (left * p.S * left.transpose()).diagonal().array();
+    result.standardised = ((left * r.mean).array() / variance.max(1e-24).sqrt()).matrix();
+    return result;
+}
+
+Eigen::MatrixXd ScoreTest::cosines(const Eigen::MatrixXd& together) const {
+    const Projection p = project(together);
+    const auto count = static_cast<Eigen::Index>(fingerprints_.size());
+    Eigen::MatrixXd F(covariance_.rows(), count);
+    for (Eigen::Index k = 0; k < count; ++k) F.col(k) = fingerprints_[static_cast<std::size_t>(k)].change;
+    Eigen::MatrixXd products = F.transpose() * p.P * F;
+    const Eigen::VectorXd length = products.diagonal().cwiseMax(1e-24).cwiseSqrt();
+    return products.array() / (length * length.transpose()).array();
+}
+
+double ScoreTest::largest_z(const ScoreResult& result) const {
+    double largest = -kInfinity;
+    for (std::size_t k = 0; k < fingerprints_.size(); ++k)
+        if (fingerprints_[k].judged) largest = std::max(largest, result.z[static_cast<Eigen::Index>(k)]);
+    return largest;
+}
+
+NullRows::NullRows(const ResidualSpace& space, const ObservationTable& measured) : space_(space) {
+    const ObservationTable& reference = space.reference();
+    std::vector<std::vector<std::uint32_t>> of_block;
+    std::vector<std::uint32_t> all(reference.rows());
+    for (std::size_t row = 0; row < reference.rows(); ++row) {
+        all[row] = static_cast<std::uint32_t>(row);
+        const auto b = static_cast<std::size_t>(reference.block[row] + 1);
+        if (of_block.size() <= b) of_block.resize(b + 1);
+        of_block[b].push_back(static_cast<std::uint32_t>(row));
+    }
+    auto unmeasured = [&](std::size_t row, const Column& c) {
+        const std::size_t k = measured.find(c);
+        if (k == measured.columns.size()) return true;
+        if (std::isfinite(measured.values[k][row])) return false;
+        const std::size_t passed = measured.find({Quantity::Passed, c.place});
+        const bool known_not_to_pass = c.place >= 0 && c.quantity != Quantity::InZone &&
+                                       passed < measured.columns.size() && measured.values[passed][row] == 0.0;
+        return !known_not_to_pass;
+    };
+    for (std::size_t row = 0; row < measured.rows(); ++row) {
+        const auto b = static_cast<std::size_t>(measured.block[row] + 1);
+        rows_of_.push_back(b < of_block.size() && !of_block[b].empty() && measured.block[row] >= 0 ? of_block[b] : all);
+        std::vector<char> hidden;
+        for (const Residual& r : space.residuals())
+            hidden.push_back(
+                unmeasured(row, r.column) ||
+                ((r.kind == ResidualKind::Together || r.kind == ResidualKind::Innovation) && unmeasured(row, r.other)));
+        unmeasured_.push_back(std::move(hidden));
+    }
+}
+
+ResidualRows NullRows::draw(std::uint64_t seed, std::uint64_t number) const {
+    RandomStream random(seed, number, RandomPurpose::Resampling);
+    const ResidualRows& own = space_.of_reference();
+    ResidualRows rows(static_cast<Eigen::Index>(rows_of_.size()), own.cols());
+    for (std::size_t row = 0; row < rows_of_.size(); ++row) {
+        const auto i = static_cast<Eigen::Index>(row);
+        rows.row(i) = own.row(static_cast<Eigen::Index>(rows_of_[row][random.below(rows_of_[row].size())]));
+        for (std::size_t k = 0; k < unmeasured_[row].size(); ++k)
+            if (unmeasured_[row][k]) rows(i, static_cast<Eigen::Index>(k)) = kNaN;
+    }
+    return rows;
+}
+
+namespace {
+
+/// Share of chance that is at least as large, with the measured one counted.
+double share_at_least(const std::vector<double>& sorted, double value) {
+    const auto below = std::lower_bound(sorted.begin(), sorted.end(), value) - sorted.begin();
+    return (static_cast<double>(sorted.size()) - static_cast<double>(below) + 1.0) /
+           (static_cast<double>(sorted.size()) + 1.0);
+}
+
+}  // namespace
+
+GlobalTest global_test(const ScoreTest& test, const ScoreResult& measured, const NullRows& null, std::int64_t draws,
+                       double level, std::uint64_t seed) {
+    std::vector<double> q, z, largest;
+    const bool any = std::isfinite(test.largest_z(measured));
+    for (std::int64_t k = 0; k < draws; ++k) {
+        const ScoreResult s = test(mean_residual(null.draw(seed, static_cast<std::uint64_t>(k))));
+        q.push_back(s.q);
+        z.push_back(any ? test.largest_z(s) : 0.0);
+        largest.push_back(s.standardised.cwiseAbs().maxCoeff());
+    }
+    std::vector<double> sorted_q = q, sorted_z = z;
+    std::sort(sorted_q.begin(), sorted_q.end());
+    std::sort(sorted_z.begin(), sorted_z.end());
+    std::sort(largest.begin(), largest.end());
+    GlobalTest g;
+    g.p_q = share_at_least(sorted_q, measured.q);
+    g.p_z = any ? share_at_least(sorted_z, test.largest_z(measured)) : 1.0;
+    const double smaller = std::min(g.p_q, g.p_z);
+    std::int64_t as_small = 0;
+    for (std::size_t k = 0; k < q.size(); ++k)
+        if (std::min(share_at_least(sorted_q, q[k]), any ? share_at_least(sorted_z, z[k]) : 1.0) <= smaller) ++as_small;
+    g.p = static_cast<double>(as_small + 1) / static_cast<double>(draws + 1);
+    const auto at = [&](const std::vector<double>& sorted) {
+        return sorted.empty()
+                   ? kNaN
+                   : sorted[std::min(sorted.size() - 1,
+                                     static_cast<std::size_t>((1.0 - level) * static_cast<double>(sorted.size())))];
+    };
+    g.z_limit = at(sorted_z);
+    g.residual_limit = at(largest);
+    g.residual_p.resize(measured.standardised.size());
+    for (Eigen::Index k = 0; k < g.residual_p.size(); ++k)
+        g.residual_p[k] = share_at_least(largest, std::abs(measured.standardised[k]));
+    return g;
+}
+
+}  // namespace scree

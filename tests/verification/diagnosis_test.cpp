@@ -1,0 +1,229 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Diagnosis on a slope of formulas in place of an engine: what is hidden is known, chance can be repeated as often as wanted, and a thousand blocks cost
+// nothing. Shares of right answers are held against what they must be within what the number of cases can show; seeds are fixed.
+#include "scree/inference/diagnosis.hpp"
+
+#include "scree/base/random.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+namespace scree {
+namespace {
+
+constexpr std::size_t kBlocks = 50;
+enum Hidden : std::size_t { kSpeedCap, kMassTrend, kDepositAt50, kSpeedBias, kEffects };
+
+RandomStream stream(std::uint64_t seed, std::uint64_t number) {
+    return {seed, number, RandomPurpose::Effect};
+}
+
+std::vector<ObservedBlock> blocks_of_test() {
+    std::vector<ObservedBlock> blocks(kBlocks);
+    for (std::size_t i = 0; i < kBlocks; ++i) {
+        RandomStream random = stream(5, i);
+        const double size = random.uniform(0.5, 1.3);
+        blocks[i].id = std::to_string(i);
+        blocks[i].size = size * Vec3(random.uniform(1.0, 1.3), 1.0, random.uniform(0.7, 1.0));
+        blocks[i].mass = 1500.0 * blocks[i].size.prod();
+    }
+    return blocks;
+}
+
+/// Two parameters slow blocks down: the first one above the first screen, the second one below it.
+ObservationTable throw_blocks(const std::vector<ObservedBlock>& blocks, const DiagnosisTask& task) {
+    ObservationTable t;
+    t.columns = {{Quantity::Along, -1},
+                 {Quantity::Passed, 0},
+                 {Quantity::Speed, 0},
+                 {Quantity::Passed, 1},
+                 {Quantity::Speed, 1}};
+    t.values.resize(t.columns.size());
+    std::array<double, kEffects> dose{};
+    for (const EffectDose& d : task.effects) dose[d.effect] = d.strength;
+    for (std::int64_t k = 0; k < task.repeats; ++k) {
+        for (std::size_t i = 0; i < blocks.size(); ++i) {
+            RandomStream random = stream(task.seed, static_cast<std::uint64_t>(k) * 1000 + i);
+            double first = 10.0 - 2.0 * task.parameters[0] + 1.5 * random.normal();
+            if (first > 10.0) first -= std::min(0.4 * dose[kSpeedCap], 1.0) * (first - 10.0);
+            double stop = 50.0 - 3.0 * task.parameters[0] - 8.0 * task.parameters[1] + 1.6 * (first - 10.0) +
+                          5.0 * random.normal();
+            stop += 1.5 * dose[kMassTrend] * (std::log(blocks[i].mass) - 6.9);
+            const bool caught = random.uniform() < 0.2 * dose[kDepositAt50];
+            if (caught && stop > 50.0 && stop < 58.0) stop = 50.0 + random.uniform();
+            double second = 12.0 - 3.0 * task.parameters[1] + 0.5 * (first - 10.0) + random.normal();
+            const double bias = 1.0 + 0.05 * dose[kSpeedBias];
+            first = bias * first + 0.5 * random.normal();
+            second = bias * second + 0.5 * random.normal();
+            const bool passed_first = stop > 38.0, passed_second = stop > 44.0;
+            t.block.push_back(static_cast<std::int32_t>(i));
+            t.values[0].push_back(stop);
+            t.values[1].push_back(passed_first ? 1.0 : 0.0);
+            t.values[2].push_back(passed_first ? first : kNaN);
+            t.values[3].push_back(passed_second ? 1.0 : 0.0);
+            t.values[4].push_back(passed_second ? second : kNaN);
+        }
+    }
+    return t;
+}
+
+DiagnosisProblem problem_for(const std::vector<ObservedBlock>& blocks, std::vector<CandidateEffect> effects) {
+    DiagnosisProblem p;
+    p.calibrated = {0.3, 0.4};
+    p.low = {0.0, 0.0};
+    p.high = {1.0, 1.0};
+    p.step = {0.15, 0.15};
+    p.effects = std::move(effects);
+    p.blocks = blocks;
+    return p;
+}
+
+std::vector<CandidateEffect> all_effects() {
+    return {{"speed cap", false, {{"", 2.5}}},
+            {"mass trend", false, {{"", 5.0}}},
+            {"deposit at 50 m", false, {{"", 5.0}}},
+            {"speed bias", true, {{"", 4.0}}}};
+}
+
+DiagnosisSettings quick(std::uint64_t seed) {
+    DiagnosisSettings s;
+    s.seed = 1000 * seed + 7;
+    s.reference_repeats = 60;
+    s.repeats = 30;
+    s.draws = 199;
+    return s;
+}
+
+/// What is measured has parameters near the calibrated ones, as after a calibration.
+ObservationTable measured(const std::vector<ObservedBlock>& blocks, std::uint64_t number,
+                          std::vector<EffectDose> hidden) {
+    RandomStream random = stream(99, number);
+    const double first = 0.3 + 0.05 * random.normal(), second = 0.4 + 0.05 * random.normal();
+    return throw_blocks(blocks, {{first, second}, std::move(hidden), 50'000'000 + number, 1});
+}
+
+Diagnosis diagnosis_of(const std::vector<ObservedBlock>& blocks, const DiagnosisProblem& problem,
+                       const ObservationTable& table, std::uint64_t number) {
+    return diagnose(problem, table, quick(number),
+                    [&](const DiagnosisTask& t) { return std::optional(throw_blocks(blocks, t)); }, {});
+}
+
+TEST(Diagnosis, FindsNothingWhereNothingIsHidden) {
+    const auto blocks = blocks_of_test();
+    const DiagnosisProblem problem = problem_for(blocks, all_effects());
+    constexpr int kCases = 40;
+    int rejected = 0, named = 0;
+    for (std::uint64_t k = 0; k < kCases; ++k) {
+        const Diagnosis d = diagnosis_of(blocks, problem, measured(blocks, k, {}), k);
+        rejected += d.verdict != Verdict::None;
+        named += d.verdict == Verdict::Named || d.verdict == Verdict::DataProblem;
+        EXPECT_EQ(d.verdict == Verdict::None, d.test.p > 0.05);
+    }
+    EXPECT_LE(rejected, 6);  // of 40 with 5 %: 7 and more in one case of 300
+    EXPECT_LE(named, 2);
+}
+
+TEST(Diagnosis, NamesWhatIsHidden) {
+    const auto blocks = blocks_of_test();
+    const DiagnosisProblem problem = problem_for(blocks, all_effects());
+    for (const std::size_t hidden : {std::size_t{kMassTrend}, std::size_t{kSpeedBias}}) {
+        int right = 0, covered = 0;
+        const double strength = hidden == kMassTrend ? 3.0 : 2.5;
+        for (std::uint64_t k = 0; k < 10; ++k) {
+            const Diagnosis d = diagnosis_of(blocks, problem, measured(blocks, 100 + k, {{hidden, 0, strength}}), k);
+            if (d.answer.size() != 1 || d.answer.front().effect != hidden) continue;
+            ++right;
+            EXPECT_EQ(d.verdict, hidden == kSpeedBias ? Verdict::DataProblem : Verdict::Named);
+            covered += d.answer.front().strength_interval.low <= strength &&
+                       strength <= d.answer.front().strength_interval.high;
+        }
+        EXPECT_GE(right, 9) << problem.effects[hidden].name;
+        EXPECT_GE(covered, 6) << problem.effects[hidden].name;
+    }
+}
+
+// The one unforgivable error: a confident wrong name.
+TEST(Diagnosis, SaysUnknownWhereTheHiddenEffectIsNotInTheCatalogue) {
+    const auto blocks = blocks_of_test();
+    const std::vector<CandidateEffect> effects = all_effects();
+    const DiagnosisProblem problem = problem_for(blocks, {effects[kSpeedCap], effects[kDepositAt50], effects[kSpeedBias]});
+    int wrong = 0, detected = 0;
+    for (std::uint64_t k = 0; k < 15; ++k) {
+        const ObservationTable table = measured(blocks, 200 + k, {{kMassTrend, 0, 3.5}});
+        const Diagnosis d = diagnose(problem, table, quick(k),
+                                     [&](const DiagnosisTask& t) {
+                                         DiagnosisTask moved = t;
+                                         for (EffectDose& dose : moved.effects)
+                                             dose.effect = dose.effect == 0 ? 0 : dose.effect + 1;
+                                         return std::optional(throw_blocks(blocks, moved));
+                                     },
+                                     {});
+        detected += d.verdict != Verdict::None;
+        wrong += d.verdict == Verdict::Named || d.verdict == Verdict::DataProblem;
+    }
+    EXPECT_GE(detected, 9);  // by the omnibus test alone
+    EXPECT_LE(wrong, 1);
+}
+
+// Shuffled rows break the tie between a block and its mass: no effect of mass may be named.
+TEST(Diagnosis, ShuffledBlocksNameNoEffectOfMass) {
+    const auto blocks = blocks_of_test();
+    const DiagnosisProblem problem = problem_for(blocks, all_effects());
+    int named = 0;
+    for (std::uint64_t k = 0; k < 15; ++k) {
+        ObservationTable table = measured(blocks, 300 + k, {{kMassTrend, 0, 3.0}});
+        RandomStream random = stream(7, k);
+        for (std::size_t i = table.rows() - 1; i > 0; --i) std::swap(table.block[i], table.block[random.below(i + 1)]);
+        const Diagnosis d = diagnosis_of(blocks, problem, table, k);
+        named += d.verdict == Verdict::Named && d.answer.front().effect == kMassTrend;
+    }
+    EXPECT_LE(named, 1);
+}
+
+TEST(Diagnosis, PlanningSaysWhatWouldBeSeen) {
+    const auto blocks = blocks_of_test();
+    const DiagnosisProblem problem = problem_for(blocks, all_effects());
+    const ObservationTable like = measured(blocks, 1, {});
+    const Diagnosis plan = plan_test(
+        problem, like, quick(1), [&](const DiagnosisTask& t) { return std::optional(throw_blocks(blocks, t)); }, {});
+    EXPECT_EQ(plan.verdict, Verdict::None);
+    for (const EffectFinding& f : plan.findings) {
+        if (f.effect != kMassTrend) continue;
+        EXPECT_GT(f.visibility, 1.5);
+        // 80 % of the tests with that strength reject
+        int rejected = 0;
+        constexpr int kCases = 30;
+        for (std::uint64_t k = 0; k < kCases; ++k)
+            rejected += diagnosis_of(blocks, problem, measured(blocks, 400 + k, {{kMassTrend, 0, f.smallest_seen}}), k)
+                            .verdict != Verdict::None;
+        EXPECT_NEAR(rejected / static_cast<double>(kCases), 0.8, 0.25);
+    }
+    EXPECT_NEAR(plan.cosines(0, 0), 1.0, 1e-9);
+}
+
+TEST(Diagnosis, DependsOnTheSeedAlone) {
+    const auto blocks = blocks_of_test();
+    const DiagnosisProblem problem = problem_for(blocks, all_effects());
+    const ObservationTable table = measured(blocks, 3, {{kSpeedBias, 0, 2.0}});
+    const Diagnosis a = diagnosis_of(blocks, problem, table, 3), b = diagnosis_of(blocks, problem, table, 3);
+    EXPECT_EQ(a.test.p, b.test.p);
+    EXPECT_EQ(a.score.q, b.score.q);
+    ASSERT_EQ(a.findings.size(), b.findings.size());
+    for (std::size_t k = 0; k < a.findings.size(); ++k) EXPECT_EQ(a.findings[k].weight, b.findings[k].weight);
+}
+
+TEST(Diagnosis, StopsWhereTheSimulationIsStopped) {
+    const auto blocks = blocks_of_test();
+    int left = 3;
+    const Diagnosis d = diagnose(problem_for(blocks, all_effects()), measured(blocks, 3, {}), quick(3),
+                                 [&](const DiagnosisTask& t) -> std::optional<ObservationTable> {
+                                     if (left-- == 0) return std::nullopt;
+                                     return throw_blocks(blocks, t);
+                                 },
+                                 {});
+    EXPECT_TRUE(d.interrupted);
+}
+
+}  // namespace
+}  // namespace scree
