@@ -41,6 +41,8 @@ constexpr std::array kCommands{
             Target::Site, true, true, run_calibrate},
     Command{"sweep", "Show what keys do, one at a time, beside the scatter from repeat to repeat", Target::Site, true,
             true, run_sweep},
+    Command{"diagnose", "Find out whether the calibrated model misses an effect, which one, and what it changes",
+            Target::Site, true, true, run_diagnose},
     Command{"settings", "Print the reference manual of all keys of the site file", Target::None, false, false,
             run_settings},
     Command{"effects", "Print the catalogue of effects, or all about one of them", Target::Kind, false, false,
@@ -103,14 +105,14 @@ void add_options(CLI::App& sub, const Command& command, Context& context) {
             ->check(CLI::IsMember({"auto", "json"}));
     }
     const std::string name = command.name;
-    if (name == "compare" || name == "calibrate" || name == "sweep")
+    if (name == "compare" || name == "calibrate" || name == "sweep" || name == "diagnose")
         sub.add_option(
                "--observed", context.observed,
                "Measurements: a GeoPackage, a folder of tables, a table (CSV), or a folder of results of scree run "
                "(gis/README.md describes layers and columns)")
             ->type_name("OBS")
-            ->required();
-    if (name == "calibrate") {
+            ->required(name != "diagnose");
+    if (name == "calibrate" || name == "diagnose") {
         sub.add_option("--free", context.free,
                        "A key with its range, soil.NAME.rolling=0.01:0.1 (:log searches by ratios), or with choices, "
                        "blocks.shape=hull,box (repeatable; default: calibration.free of the site file)")
@@ -118,7 +120,16 @@ void add_options(CLI::App& sub, const Command& command, Context& context) {
             ->expected(1)
             ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll)
             ->check(is_change, "");
-        sub.add_flag("--resume", context.resume, "Go on with a calibration that was interrupted");
+        sub.add_flag("--resume", context.resume, "Go on with what was interrupted");
+    }
+    if (name == "diagnose") {
+        sub.add_flag("--full", context.full, "Three times the simulations: weaker effects, more certain names");
+        sub.add_flag("--plan", context.plan,
+                     "Nothing is measured yet: what a test with release.count blocks and these instruments could see");
+        sub.add_option("--instruments", context.instruments,
+                       "With --plan, what would be measured of each block: stops, and at the screens speed, height, "
+                       "spin (default stops,speed)")
+            ->type_name("LIST");
     }
     if (name == "sweep")
         sub.add_option("--sets", context.sets, "Sets of blocks per value, behind the scatter (default 20)")

@@ -4,6 +4,7 @@
 #include "cli/campaign_layers.hpp"
 #include "cli/commands.hpp"
 #include "cli/compare_report.hpp"
+#include "cli/field_test.hpp"
 #include "cli/progress.hpp"
 #include "cli/settings.hpp"
 #include "gis/results_writer.hpp"
@@ -21,44 +22,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Throws the blocks of a site with other values of its free keys.
-class Simulator {
-public:
-    Simulator(const SiteFile& site, const SiteModel& model, const ObservedSite& observed, const FreeKeys& keys,
-              int threads)
-        : site_(site), observed_(observed), keys_(keys), input_(model.campaign) {
-        input_.threads = threads;
-        input_.kept_trajectories = 0;
-    }
-
-    SiteFile site_at(const CalibrationPoint& point) const { return with_changes(site_, keys_.changes(point)); }
-
-    CampaignResult run(const SiteFile& candidate, std::uint64_t seed, std::int64_t repeats) {
-        CampaignInput input = input_;
-        SiteFile site = candidate;
-        site.settings.observed.repeats = repeats;
-        apply_parameters(site, input);
-        input.dynamics.kept_problems = 0;
-        input.seed = seed;
-        const Observations& o = observed_.observations;
-        input.release.count =
-            repeats * std::max<std::int64_t>({1, o.thrown, static_cast<std::int64_t>(o.stops.size())});
-        match_campaign(site, observed_, input);
-        CampaignResult result = run_campaign(
-            input, [](std::int64_t) {}, InterruptScope::flag());
-        thrown += result.released;
-        return result;
-    }
-
-    std::int64_t thrown = 0;  ///< blocks, since the program began [-]
-
-private:
-    const SiteFile& site_;
-    const ObservedSite& observed_;
-    const FreeKeys& keys_;
-    CampaignInput input_;
-};
-
 /// Everything that the simulations depend on, on one line: what a journal belongs to.
 std::string subject_of(const SiteFile& site, const SiteModel& model, const ObservedSite& observed, const FreeKeys& keys,
                        const std::vector<std::string>& free) {
@@ -75,16 +38,6 @@ std::string subject_of(const SiteFile& site, const SiteModel& model, const Obser
     for (const std::string& file : observed.inputs) json["observations"].push_back(gis::sha256_of_file(file));
     json["parameters"] = keys.problem.parameters.size();
     return json.dump();
-}
-
-std::vector<std::string> input_lines(const SiteModel& model, const ObservedSite& observed) {
-    std::vector<std::string> lines;
-    const auto add = [&](const std::string& file, const char* what) {
-        lines.push_back(fs::path(file).filename().string() + what + ", sha256 " + gis::sha256_of_file(file));
-    };
-    for (const std::string& file : observed.inputs) add(file, " (measured)");
-    for (const std::string& file : model.inputs) add(file, "");
-    return lines;
 }
 
 /// The journal beside the folder of results: it must outlive an interruption.
@@ -152,7 +105,7 @@ ExitCode run_calibrate(const Context& context) {
     JournalFile journal(journal_path(folder), subject_of(site, model, observed, report.keys, free), context.resume);
     report.journal = std::move(journal.journal);
     const auto resumed = static_cast<std::int64_t>(report.journal.size());
-    Simulator simulator(site, model, observed, report.keys, context.threads);
+    const FieldTest test(site, model, observed, report.keys, context.threads);
     const InterruptScope interrupt;
     const std::size_t planned = planned_evaluations(report.keys.problem, report.settings);
     Progress progress(context, "simulations", static_cast<std::int64_t>(planned));
@@ -160,7 +113,7 @@ ExitCode run_calibrate(const Context& context) {
     report.result = calibrate(
         report.keys.problem, report.settings,
         [&](const CalibrationTask& task) -> std::optional<SimulatedLoss> {
-            const CampaignResult campaign = simulator.run(simulator.site_at(task.point), task.seed, task.repeats);
+            const CampaignResult campaign = test.run(test.site_at(task.point), task.seed, task.repeats);
             if (campaign.interrupted) return std::nullopt;
             return loss(campaign, task.seed);
         },
@@ -180,9 +133,9 @@ ExitCode run_calibrate(const Context& context) {
     };
     if (report.result.interrupted) return stopped();
 
-    report.after = simulator.site_at(report.result.best);
+    report.after = test.site_at(report.result.best);
     const auto study = [&](const SiteFile& of, CampaignResult& campaign) {
-        campaign = simulator.run(of, static_cast<std::uint64_t>(of.settings.seed), report.settings.final_repeats);
+        campaign = test.run(of, static_cast<std::uint64_t>(of.settings.seed), report.settings.final_repeats);
         return campaign.interrupted ? CompareStudy{} : make_study(of, model, observed, campaign);
     };
     CampaignResult before, after;

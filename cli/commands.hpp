@@ -28,9 +28,12 @@ struct Context {
     bool quiet = false;
     ProgressStyle progress = ProgressStyle::Automatic;
     std::string format = "text";    ///< of `settings`
-    std::string observed;           ///< --observed: measurements of `compare`, `calibrate` and `sweep`
-    std::vector<std::string> free;  ///< --free: of `calibrate`
-    bool resume = false;            ///< --resume: of `calibrate`
+    std::string observed;           ///< --observed: measurements of `compare`, `calibrate`, `sweep`, `diagnose`
+    std::vector<std::string> free;  ///< --free: of `calibrate` and `diagnose`
+    bool resume = false;            ///< --resume: of `calibrate` and `diagnose`
+    bool plan = false;              ///< --plan: of `diagnose`
+    bool full = false;              ///< --full: of `diagnose`
+    std::string instruments = "stops,speed";  ///< --instruments: of `diagnose --plan`
     std::int64_t sets = 20;         ///< --sets: of `sweep` [-]
     std::ostream* out = nullptr;
     std::ostream* err = nullptr;
@@ -50,6 +53,7 @@ ExitCode run_run(const Context& context);
 ExitCode run_compare(const Context& context);
 ExitCode run_calibrate(const Context& context);
 ExitCode run_sweep(const Context& context);
+ExitCode run_diagnose(const Context& context);
 ExitCode run_settings(const Context& context);
 ExitCode run_effects(const Context& context);
 

@@ -2,6 +2,7 @@
 #include "cli/observed_site.hpp"
 
 #include "cli/commands.hpp"
+#include "cli/progress.hpp"
 #include "gis/observation_reader.hpp"
 #include "scree/base/error.hpp"
 #include "scree/base/units.hpp"
@@ -263,6 +264,8 @@ private:
     void set_operator() {
         ObservationOperator& op = result_.op;
         op.least_speed = s_.least_speed;
+        for (const Effect& e : model_.terrain.effects)
+            if (effect_info(e.kind).hook == EffectHook::Measurement) op.effects.push_back(e);
         op.lateral = s_.lateral && !model_.in_plane();  // blocks on a profile cannot leave it
         if (s_.runout_limit > 0.0) op.runout_limit = s_.runout_limit;
         op.origin = release_centre(model_.release.layer);
@@ -384,8 +387,47 @@ ObservedSite load_observed(const SiteFile& site, const SiteModel& model, const s
     return observed;
 }
 
+ObservedSite planned_test(const SiteFile& site, const SiteModel& model, const std::string& instruments) {
+    std::set<std::string> measured;
+    std::istringstream list(instruments);
+    for (std::string name; std::getline(list, name, ',');) {
+        if (name != "stops" && name != "speed" && name != "height" && name != "spin")
+            throw InputError("--instruments knows no \"" + name + "\": take some of stops, speed, height, spin");
+        measured.insert(name);
+    }
+    CampaignInput input = model.campaign;
+    input.kept_trajectories = 0;
+    input.screen_span = site.settings.observed.averaging;
+    const CampaignResult campaign = run_campaign(
+        input, [](std::int64_t) {}, InterruptScope::flag());
+    gis::ObservationRecords records;
+    std::vector<gis::ObservedBody> bodies;
+    for (std::size_t k = 0; k < campaign.blocks.size(); ++k) {
+        const BlockResult& b = campaign.blocks[k];
+        bodies.push_back({"B" + std::to_string(k + 1), b.mass, b.size.x(), b.size.y(), b.size.z()});
+        const auto row = static_cast<std::int64_t>(k) + 1;
+        if (measured.contains("stops"))
+            records.stops.push_back({row, bodies.back(), b.stop, kNaN, b.reason != StopReason::AtRest, false});
+    }
+    for (const ScreenCrossing& c : campaign.crossings) {
+        gis::CrossingRecord r;
+        r.row = static_cast<std::int64_t>(records.crossings.size()) + 1;
+        r.body = bodies[static_cast<std::size_t>(c.block)];
+        r.screen = model.campaign.screens[static_cast<std::size_t>(c.screen)].name;
+        r.position = c.position;
+        if (measured.contains("speed")) r.speed = c.measured_speed;
+        if (measured.contains("height")) r.height = c.height;
+        if (measured.contains("spin")) r.spin = c.spin;
+        records.crossings.push_back(r);
+    }
+    if (records.stops.empty() && records.crossings.empty())
+        throw InputError("nothing would be measured: --instruments needs stops, or the site [screens]");
+    return Resolver(site, model, records).resolve();
+}
+
 void match_campaign(const SiteFile& site, const ObservedSite& observed, CampaignInput& campaign) {
     campaign.screen_span = site.settings.observed.averaging;
+    shift_screens(observed.op.effects, observed.op.axis, campaign);
     if (!observed.observations.matched) return;
     campaign.population.list.clear();
     for (const ObservedBlock& block : observed.observations.blocks)

@@ -335,6 +335,21 @@ void add_calibration(std::vector<Setting<SiteSettings>>& keys) {
                              "Samples of the measured blocks behind the intervals."));
 }
 
+void add_diagnosis(std::vector<Setting<SiteSettings>>& keys) {
+    const Row<SiteSettings> d{"diagnosis"};
+    keys.push_back(d.number("level", "-", {0.001, 0.2}, AT(diagnosis.level),
+                            "Share of models without a flaw that are rejected. Smaller: fewer false alarms, and only "
+                            "stronger effects are seen."));
+    keys.push_back(d.integer("reference_repeats", {10, 1e5}, AT(diagnosis.reference_repeats),
+                             "How often every measured block is simulated by the calibrated model."));
+    keys.push_back(d.integer("repeats", {5, 1e5}, AT(diagnosis.repeats),
+                             "Likewise per derivative and effect: fewer blur what is visible."));
+    keys.push_back(d.integer("draws", {99, 1e6}, AT(diagnosis.draws), "Samples of chance."));
+    keys.push_back(d.integer("finalists", {1, 100}, AT(diagnosis.finalists),
+                             "Effects that are followed to the strength and parameters that explain most."));
+    keys.push_back(d.integer("rounds", {1, 100}, AT(diagnosis.rounds), "Simulations on the way there."));
+}
+
 }  // namespace
 
 std::span<const Setting<SiteSettings>> site_keys() {
@@ -348,6 +363,7 @@ std::span<const Setting<SiteSettings>> site_keys() {
         add_screens(k);
         add_observed(k);
         add_calibration(k);
+        add_diagnosis(k);
         add_output(k);
         return k;
     }();
@@ -390,6 +406,7 @@ std::string section_help(const std::string& section) {
     if (section == "deposit_zones") return "Where stopped blocks are counted.";
     if (section == "observed") return "How a field test measured, and how `scree compare` holds the model against it.";
     if (section == "calibration") return "What `scree calibrate` may change, and how long it looks.";
+    if (section == "diagnosis") return "How long `scree diagnose` looks for what the model misses.";
     if (section == "output") return "What is written where.";
     return {};
 }

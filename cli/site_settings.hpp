@@ -7,6 +7,7 @@
 #include "scree/ensemble/release.hpp"
 #include "scree/geometry/profile_trace.hpp"
 #include "scree/inference/calibration.hpp"
+#include "scree/inference/diagnosis.hpp"
 
 #include <array>
 #include <cstdint>
@@ -123,6 +124,7 @@ struct SiteSettings {
     std::vector<EffectSettings> effects;
     ObservedSettings observed;
     CalibrateSettings calibration;
+    DiagnosisSettings diagnosis;  ///< without its seed
 
     std::string output_directory = "out";
     std::int64_t trajectories = 100;     ///< [-]

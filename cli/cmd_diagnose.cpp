@@ -1,0 +1,204 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "cli/campaign_layers.hpp"
+#include "cli/commands.hpp"
+#include "cli/diagnose_report.hpp"
+#include "cli/progress.hpp"
+#include "cli/settings.hpp"
+#include "gis/results_writer.hpp"
+
+#include <memory>
+#include <ostream>
+#include <sstream>
+
+namespace scree::cli {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+/// What `--full` multiplies: simulations of the diagnosis and length of the searches.
+constexpr std::int64_t kFull = 3;
+
+/// Restitution, friction and rolling resistance of every soil, where the site does not say what is free.
+std::vector<std::string> usual_free_keys(const SiteFile& site) {
+    std::vector<std::string> keys;
+    const auto range = [](double value, double low, double high) {
+        std::ostringstream text;
+        text << std::min(low, value) << ":" << std::max(high, value);
+        return text.str();
+    };
+    for (const Soil& soil : site.settings.soils) {
+        keys.push_back("soil." + soil.name + ".restitution=" + range(soil.restitution, 0.0, 0.4));
+        keys.push_back("soil." + soil.name + ".friction=" + range(soil.friction, 0.3, 0.9));
+        keys.push_back("soil." + soil.name + ".rolling=" + range(soil.rolling, 0.002, 0.15) +
+                       (soil.rolling > 0.0 ? ":log" : ""));
+    }
+    return keys;
+}
+
+std::string subject_of(const DiagnoseStudy& study, const std::vector<std::string>& free, bool full) {
+    SiteSettings portable = study.site.settings;
+    portable.output_directory.clear();
+    portable.calibration.free.clear();
+    std::string text = "scree " + version() + (full ? " full\n" : "\n");
+    for (const std::string& key : free) text += key + "\n";
+    for (const std::string& line : study.inputs) text += line + "\n";
+    return text +
+           settings_as_toml(portable, [](const std::string& path) { return fs::path(path).filename().string(); });
+}
+
+/// One line of progress per stage.
+class StageProgress {
+public:
+    explicit StageProgress(const Context& context) : context_(context) {}
+    void operator()(const std::string& stage, std::size_t done, std::size_t planned) {
+        if (stage != stage_) {
+            finish();
+            stage_ = stage;
+            progress_ = std::make_unique<Progress>(context_, stage, static_cast<std::int64_t>(planned));
+            progress_->skip(static_cast<std::int64_t>(done));
+        }
+        last_ = static_cast<std::int64_t>(done);
+        progress_->update(last_);
+    }
+    void finish() {
+        if (progress_) progress_->finish(last_);
+        progress_.reset();
+    }
+
+private:
+    const Context& context_;
+    std::string stage_;
+    std::unique_ptr<Progress> progress_;
+    std::int64_t last_ = 0;
+};
+
+gis::VectorLayer zone_layer(const DiagnosisVariant& variant) {
+    gis::VectorLayer layer;
+    layer.data.name = "effect_zone";
+    layer.data.kind = GeometryKind::Polygon;
+    layer.coordinates = gis::Coordinates::XY;
+    layer.data.fields.push_back({"effect", FieldType::Text, "Effect"});
+    Feature feature;
+    feature.geometry = variant.place.area->polygons;
+    feature.values.push_back(std::string(effect_info(variant.kind).name));
+    layer.data.features.push_back(std::move(feature));
+    layer.title = "Where the effect acts";
+    layer.group = "Inputs";
+    return layer;
+}
+
+gis::ResultsPackage results_of(const DiagnoseStudy& study, const SiteModel& model, const ObservedSite& observed,
+                               const fs::path& folder) {
+    gis::ResultsPackage package;
+    package.frame = model.terrain.data.frame;
+    package.title = study.site.settings.name + ": diagnosis";
+    const bool answered = !study.answers.empty();
+    const bool judged = !study.planning && !study.before.observables.empty();
+    if (judged) package.vectors = campaign_vectors(model, answered ? study.answers.front().campaign : study.campaign);
+    if (answered && study.answers.front().variant->place.area)
+        package.vectors.push_back(zone_layer(*study.answers.front().variant));
+    if (package.vectors.empty()) package.vectors.push_back(input_layer(model.release, "release", "Release", "Inputs"));
+    package.provenance = {{"program", "scree " + version()}, {"site", study.site.settings.name}};
+    for (const std::string& line : study.inputs) package.provenance.push_back({"input", line});
+    const std::vector<Figure> figures = diagnose_figures(study);
+    const auto chosen = [&](const CompareStudy& of, const CampaignResult& campaign, const char* prefix) {
+        std::vector<Figure> list;
+        for (Figure& f : compare_figures(of, model, observed, campaign))
+            if (f.file == "overview.svg" || f.file == "gaps.svg" || f.file == "map.svg") {
+                f.file = prefix + f.file;
+                list.push_back(std::move(f));
+            }
+        return list;
+    };
+    const std::vector<Figure> before =
+                                  judged ? chosen(study.before, study.campaign, "calibrated_") : std::vector<Figure>{},
+                              after = answered ? chosen(study.answers.front().study, study.answers.front().campaign,
+                                                        "extended_")
+                                               : std::vector<Figure>{};
+    for (const std::vector<Figure>* list : {&figures, &before, &after})
+        for (const Figure& f : *list) package.files.push_back({"figures/" + f.file, f.svg});
+    package.files.push_back({"diagnosis.json", diagnose_json(study)});
+    package.files.push_back({"report.html", diagnose_html(study, figures, before, after)});
+    if (judged) package.files.push_back({"site_extended.toml", extended_toml(study, folder)});
+    return package;
+}
+
+DiagnosisSettings settings_of(const SiteFile& site, bool full) {
+    DiagnosisSettings settings = site.settings.diagnosis;
+    settings.seed = static_cast<std::uint64_t>(site.settings.seed);
+    if (full) {
+        settings.reference_repeats *= kFull;
+        settings.repeats *= kFull;
+    }
+    return settings;
+}
+
+}  // namespace
+
+ExitCode run_diagnose(const Context& context) {
+    if (context.observed.empty() && !context.plan)
+        throw InputError("give the measurements with --observed, or --plan to learn what a test could show");
+    DiagnoseStudy study;
+    study.site = context.read_site();
+    const SiteFile& site = study.site;
+    fs::path folder = context.results_folder(site);
+    if (context.output.empty()) folder += context.plan ? "_plan" : "_diagnose";
+    gis::require_free_results_folder(folder, context.overwrite);
+    std::vector<std::string> free = context.free.empty() ? site.settings.calibration.free : context.free;
+    if (free.empty()) free = usual_free_keys(site);
+    study.keys = read_free_keys(site, free);
+    study.settings = settings_of(site, context.full);
+    study.search = site.settings.calibration.search;
+    study.search.seed = study.settings.seed;
+    if (context.full) {
+        study.search.starts *= 2;
+        study.search.generations *= 2;
+        study.search.repeats *= kFull;
+    }
+
+    const SiteModel model = load_site(site);
+    print_warnings(context, model.warnings);
+    const InterruptScope interrupt;
+    const ObservedSite observed =
+        context.plan ? planned_test(site, model, context.instruments) : load_observed(site, model, context.observed);
+    print_warnings(context, observed.warnings);
+    study.inputs = input_lines(model, observed);
+    fs::path journal = folder;
+    journal += ".journal";
+    SimulationStore store(journal, subject_of(study, free, context.full));
+    if (fs::exists(journal) && !context.resume) {
+        if (!context.overwrite)
+            throw InputError(
+                journal.string() +
+                " is what an unfinished diagnosis left: go on with --resume, or begin anew with --overwrite");
+        store.remove();
+    }
+    StageProgress progress(context);
+    const DiagnoseInput input{site,
+                              model,
+                              observed,
+                              context.threads,
+                              store,
+                              [&](const std::string& stage, std::size_t done, std::size_t planned) {
+                                  progress(stage, done, planned); }};
+    context.plan ? plan_study(input, study) : run_study(input, study);
+    progress.finish();
+    if (study.interrupted) {
+        *context.err << "interrupted: what was simulated is kept in " << journal.string()
+                     << ", and --resume goes on from there\n";
+        return ExitCode::Interrupted;
+    }
+    gis::write_results(folder, results_of(study, model, observed, folder), context.overwrite);
+    store.remove();
+    if (context.quiet) return ExitCode::Done;
+    print_diagnosis(*context.out, study);
+    if (study.planning)
+        print_power(*context.out, study);
+    else if (!study.before.observables.empty())
+        *context.out << "site file      " << (folder / "site_extended.toml").string() << "\n";
+    *context.out << "report         " << (folder / "report.html").string() << " (beside it diagnosis.json, figures)\n";
+    return ExitCode::Done;
+}
+
+}  // namespace scree::cli

@@ -1,0 +1,243 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "cli/diagnose_candidates.hpp"
+
+#include "scree/base/assert.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <sstream>
+
+namespace scree::cli {
+
+namespace {
+
+constexpr std::size_t kStrips = 6;  ///< places along the path that a local effect is tried at [-]
+
+enum class Where { Everywhere, Soils, Strips, StripsOnly };
+
+/// A way to search for an effect. The strength scales one parameter from where the effect vanishes to `reference` at strength 1.
+struct Search {
+    const char* family;  ///< name of the effect that stands for all of its family
+    EffectKind kind;
+    const char* parameter;
+    double reference;  ///< [unit of the parameter]
+    double most;       ///< [-]
+    Where where;
+    const char* label;  ///< tells the ways of one effect apart
+};
+
+using K = EffectKind;
+
+constexpr Search kSearches[] = {
+    {"restitution_half_speed", K::RestitutionHalfSpeed, "half_speed", 10.0, 8.0, Where::Everywhere, ""},
+    {"restitution_half_speed", K::RestitutionPfeifferBowen, "half_speed", 9.144, 6.0, Where::Everywhere, "squared"},
+    {"restitution_mass", K::RestitutionMass, "exponent", -0.15, 6.0, Where::Everywhere, ""},
+    {"slip_friction", K::SlipFriction, "ratio", 3.6, 5.0, Where::Everywhere, ""},
+    {"rolling_speed", K::RollingSpeed, "speed", 5.0, 5.0, Where::Soils, ""},
+    {"rolling_size", K::RollingSize, "exponent", 1.0, 3.0, Where::Everywhere, "more for large blocks"},
+    {"rolling_size", K::RollingSize, "exponent", -1.0, 2.0, Where::Everywhere, "less for large blocks"},
+    {"low_friction", K::LowFriction, "friction", 0.3, 1.5, Where::Soils, ""},
+    {"roughness", K::Roughness, "amplitude", 0.05, 8.0, Where::Soils, ""},
+    {"soil_patch", K::SoilPatch, "rolling", 3.0, 4.0, Where::StripsOnly, "that holds blocks back"},
+    {"soil_patch", K::SoilPatch, "rolling", 1.0 / 3.0, 4.0, Where::StripsOnly, "that lets blocks run"},
+    {"ground_drag", K::GroundDrag, "coefficient", 0.3, 8.0, Where::Soils, "linear"},
+    {"ground_drag", K::GroundDragQuadratic, "coefficient", 0.03, 8.0, Where::Soils, "quadratic"},
+    {"ground_drag", K::ScarDragReduced, "coefficient", 0.03, 8.0, Where::Everywhere, "scar"},
+    {"forest_drag", K::ForestDrag, "coefficient", 500.0, 6.0, Where::Strips, ""},
+    {"forest_drag", K::Trees, "density", 400.0, 6.0, Where::Everywhere, "single trees"},
+    {"fragmentation", K::Fragmentation, "speed", 8.0, 3.0, Where::Everywhere, ""},
+    {"release_motion", K::ReleaseMotion, "speed", 2.0, 4.0, Where::Everywhere, ""},
+    {"block_shape", K::BlockShape, "corners", 1.5, 4.0, Where::Everywhere, "rounder"},
+    {"block_shape", K::BlockShape, "corners", 1.0 / 1.5, 3.0, Where::Everywhere, "sharper"},
+    {"block_shape", K::BlockShape, "elongation", 1.25, 4.0, Where::Everywhere, "longer"},
+    {"block_shape", K::BlockShape, "flatness", 1.25, 4.0, Where::Everywhere, "platier"},
+    {"speed_error", K::SpeedError, "bias", 0.1, 4.0, Where::Everywhere, "too fast"},
+    {"speed_error", K::SpeedError, "bias", -0.1, 4.0, Where::Everywhere, "too slow"},
+    {"speed_error", K::SpeedError, "noise", 1.0, 5.0, Where::Everywhere, "noise"},
+    {"screen_shift", K::ScreenShift, "shift", 2.0, 5.0, Where::Everywhere, "down the slope"},
+    {"screen_shift", K::ScreenShift, "shift", -2.0, 5.0, Where::Everywhere, "up the slope"},
+    {"slow_missed", K::SlowMissed, "least_speed", 2.0, 4.0, Where::Everywhere, ""},
+    {"ids_shuffled", K::IdsShuffled, "share", 0.5, 2.0, Where::Everywhere, ""},
+    {"height_datum", K::HeightDatum, "offset", 0.3, 6.0, Where::Everywhere, "too high"},
+    {"height_datum", K::HeightDatum, "offset", -0.3, 6.0, Where::Everywhere, "too low"},
+};
+
+const EffectParameter& parameter_of(EffectKind kind, const std::string& key) {
+    for (const EffectParameter& p : effect_info(kind).parameters)
+        if (p.key == key) return p;
+    SCREE_ASSERT(false);
+    return effect_info(kind).parameters.front();
+}
+
+std::string joined(const std::string& a, const std::string& b) {
+    return a.empty() || b.empty() ? a + b : a + ", " + b;
+}
+
+/// Which of the test's quantities were measured at all, and what the site lets act.
+class Catalogue {
+public:
+    Catalogue(const SiteFile& site, const SiteModel& model, const ObservedSite& observed)
+        : s_(site.settings), model_(model), observed_(observed) {
+        const ObservationTable table = measured_table(observed.observations, observed.op);
+        for (const Column& c : table.columns) measured_.push_back(c.quantity);
+        const std::size_t along = table.find({Quantity::Along});
+        if (along < table.columns.size())
+            for (const double v : table.values[along])
+                if (std::isfinite(v)) length_ = std::max(length_, v);
+    }
+
+    DiagnosisCatalogue make() {
+        for (const Search& search : kSearches) {
+            const EffectInfo& info = effect_info(search.kind);
+            const std::string reason = reason_against(search, info);
+            if (!reason.empty()) {
+                const std::string line = std::string(info.name) + ": " + reason;
+                if (std::find(result_.left_out.begin(), result_.left_out.end(), line) == result_.left_out.end())
+                    result_.left_out.push_back(line);
+                continue;
+            }
+            add(search, candidate(search.family, info));
+        }
+        for (const char* line :
+             {"net, berm: where they stand is known; draw them into the site and compare",
+              "scar_drag: as ground_drag, which is searched; its depth needs impacts that were measured",
+              "air_drag: a per cent of the weight at most",
+              "broken_block: the place of the last impact of a simulated block is not kept"})
+            result_.left_out.emplace_back(line);
+        return std::move(result_);
+    }
+
+private:
+    bool measured(Quantity q) const { return std::find(measured_.begin(), measured_.end(), q) != measured_.end(); }
+
+    /// Why an effect is not searched for; empty: it is.
+    std::string reason_against(const Search& search, const EffectInfo& info) const {
+        for (const EffectSettings& e : s_.effects)
+            if (e.effect.kind == search.kind) return "the site has it";
+        if (info.limits.needs_impact && s_.dynamics.mode != SteppingMode::Event) return "needs model.mode = \"event\"";
+        const bool bounces =
+            std::any_of(s_.soils.begin(), s_.soils.end(), [](const Soil& soil) { return soil.restitution > 0.0; });
+        const bool known = observed_.observations.matched;
+        const EffectKind k = search.kind;
+        if ((k == K::RestitutionHalfSpeed || k == K::RestitutionPfeifferBowen || k == K::RestitutionMass) && !bounces)
+            return "cannot be seen, every soil has e = 0";
+        if ((k == K::RestitutionMass || k == K::RollingSize || k == K::IdsShuffled) && !known)
+            return "needs blocks that are identified";
+        if ((k == K::SpeedError || k == K::SlowMissed) && !measured(Quantity::Speed)) return "no speeds were measured";
+        if (k == K::ScreenShift && observed_.op.screens.empty()) return "there are no screens";
+        if (k == K::HeightDatum && !measured(Quantity::Height)) return "no passing heights were measured";
+        if (k == K::BlockShape && search.parameter == std::string("corners") && s_.shape != BlockShape::Hull)
+            return "corners are fixed by blocks.shape";
+        if (search.where == Where::StripsOnly && !(length_ > 0.0)) return "no stops were measured along the path";
+        return {};
+    }
+
+    DiagnosisCandidate& candidate(const std::string& family, const EffectInfo& info) {
+        for (DiagnosisCandidate& c : result_.candidates)
+            if (c.name == family) return c;
+        result_.candidates.push_back({family, info.title, info.hook == EffectHook::Measurement, {}});
+        return result_.candidates.back();
+    }
+
+    void add(const Search& search, DiagnosisCandidate& to) const {
+        DiagnosisVariant v;
+        v.kind = search.kind;
+        v.label = search.label;
+        v.parameter = search.parameter;
+        v.reference = search.reference;
+        v.most = search.most;
+        if (search.kind == EffectKind::LowFriction)  // from the friction that the ground has downwards
+            for (const Soil& soil : s_.soils)
+                v.start = std::isnan(v.start) ? soil.friction : std::max(v.start, soil.friction);
+        if (search.where != Where::StripsOnly) to.variants.push_back(v);
+        if (search.where == Where::Soils && s_.soils.size() > 1)
+            for (std::size_t k = 0; k < s_.soils.size(); ++k) {
+                DiagnosisVariant on = v;
+                on.place.soil = static_cast<int>(k);
+                on.soil = s_.soils[k].name;
+                on.label = joined(v.label, "on " + on.soil);
+                to.variants.push_back(on);
+            }
+        if ((search.where == Where::Strips || search.where == Where::StripsOnly) && length_ > 0.0)
+            for (std::size_t k = 0; k < kStrips; ++k) add_strip(search, v, k, to);
+    }
+
+    void add_strip(const Search& search, DiagnosisVariant v, std::size_t k, DiagnosisCandidate& to) const {
+        const double n = static_cast<double>(kStrips);
+        v.from = length_ * static_cast<double>(k) / n;
+        v.to = length_ * static_cast<double>(k + 1) / n;
+        std::ostringstream text;
+        text << "from " << std::lround(v.from) << " to " << std::lround(v.to) << " m";
+        v.label = joined(v.label, text.str());
+        v.place.limit_to({strip(v.from, v.to)});
+        if (search.kind == EffectKind::SoilPatch) {  // the reference is a factor on what the ground there has
+            v.start = rolling_at(0.5 * (v.from + v.to));
+            v.reference = search.reference * v.start;
+        }
+        to.variants.push_back(v);
+    }
+
+    /// Across the whole terrain between two chainages.
+    Polygon strip(double from, double to) const {
+        const GridShape& shape = model_.terrain.data.grid.shape;
+        const double wide = shape.cell * static_cast<double>(shape.columns + shape.rows);
+        const Axis& axis = observed_.op.axis;
+        const Vec2 a = axis.point(from), b = axis.point(to), along = (b - a).normalized();
+        const Vec2 left(-along.y(), along.x());
+        return {{a - wide * left, b - wide * left, b + wide * left, a + wide * left}, {}};
+    }
+
+    double rolling_at(double chainage) const {
+        std::array<Vec3, 3> corners;
+        SoilId soil = 0;
+        const std::int64_t f = model_.terrain.surface->facet_at(observed_.op.axis.point(chainage));
+        if (f >= 0) model_.terrain.surface->facet(f, corners, soil);
+        return std::max(1e-3, s_.soils[static_cast<std::size_t>(soil)].rolling);
+    }
+
+    const SiteSettings& s_;
+    const SiteModel& model_;
+    const ObservedSite& observed_;
+    std::vector<Quantity> measured_;
+    double length_ = 0.0;  ///< of the path along the axis: the farthest stop [m]
+    DiagnosisCatalogue result_;
+};
+
+}  // namespace
+
+double DiagnosisVariant::value(double strength) const {
+    const EffectParameter& p = parameter_of(kind, parameter);
+    const double neutral = std::isnan(start) ? p.neutral : start;
+    double v = 0.0;
+    if (kind == EffectKind::BlockShape || kind == EffectKind::SoilPatch || kind == EffectKind::LowFriction)
+        v = neutral * std::pow(reference / neutral, strength);  // factors
+    else if (std::isinf(neutral))
+        v = strength > 0.0 ? reference / strength : p.high;
+    else
+        v = neutral + strength * (reference - neutral);
+    return std::clamp(v, p.low, p.high);
+}
+
+Effect DiagnosisVariant::at(double strength) const {
+    Effect effect = make_effect(kind);
+    effect.place = place;
+    if (kind == EffectKind::SpeedError) effect.set("bias", 0.0);  // one of its two errors at a time
+    effect.set(parameter, value(strength));
+    return effect;
+}
+
+std::vector<CandidateEffect> DiagnosisCatalogue::for_core() const {
+    std::vector<CandidateEffect> list;
+    for (const DiagnosisCandidate& c : candidates) {
+        CandidateEffect e{c.name, c.measurement, {}};
+        for (const DiagnosisVariant& v : c.variants) e.variants.push_back({v.label, v.most});
+        list.push_back(std::move(e));
+    }
+    return list;
+}
+
+DiagnosisCatalogue make_candidates(const SiteFile& calibrated, const SiteModel& model, const ObservedSite& observed) {
+    return Catalogue(calibrated, model, observed).make();
+}
+
+}  // namespace scree::cli

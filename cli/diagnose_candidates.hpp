@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include "cli/observed_site.hpp"
+#include "scree/inference/diagnosis.hpp"
+
+#include <string>
+#include <vector>
+
+namespace scree::cli {
+
+/// One way in which an effect may be missing, as a function of its strength.
+struct DiagnosisVariant {
+    EffectKind kind = EffectKind::GroundDrag;
+    std::string label;       ///< "on loose waste", "between 40 and 55 m"; empty if there is one way only
+    std::string parameter;   ///< key of the catalogue whose value the strength stands for
+    double start = kNaN;     ///< its value at strength 0 where the catalogue has none: that of the ground there [*]
+    double reference = 0.0;  ///< its value at strength 1 [*]
+    double most = 3.0;       ///< largest strength that is searched [-]
+    EffectPlace place;
+    std::string soil;               ///< name, for the site file; empty: all
+    double from = kNaN, to = kNaN;  ///< chainages along the axis of the observations that `place` lies between [m]
+
+    /// Value of the parameter: where the effect vanishes at 0, `reference` at 1.
+    double value(double strength) const;
+    Effect at(double strength) const;
+};
+
+/// A family of effects that differ in their formula only, and that no field test tells apart: named together.
+struct DiagnosisCandidate {
+    std::string name;   ///< of the catalogue, of the family's first member
+    std::string title;  ///< a few words
+    bool measurement = false;
+    std::vector<DiagnosisVariant> variants;
+};
+
+/// What was searched for, and what was not and why.
+struct DiagnosisCatalogue {
+    std::vector<DiagnosisCandidate> candidates;
+    std::vector<std::string> left_out;  ///< "net: where one stands is known", a sentence each
+    std::vector<CandidateEffect> for_core() const;
+};
+
+/// Everything of the effects' catalogue that this site and test can be searched for. Effects that the site has already are left out.
+DiagnosisCatalogue make_candidates(const SiteFile& calibrated, const SiteModel& model, const ObservedSite& observed);
+
+}  // namespace scree::cli

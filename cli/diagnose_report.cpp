@@ -1,0 +1,528 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "cli/diagnose_report.hpp"
+
+#include "cli/account.hpp"
+#include "cli/commands.hpp"
+#include "cli/compare_report.hpp"
+#include "cli/html.hpp"
+#include "cli/settings.hpp"
+
+#include <nlohmann/json.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+#include <ostream>
+#include <sstream>
+
+namespace scree::cli {
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+namespace fs = std::filesystem;
+
+constexpr std::size_t kMostSentences = 8;
+constexpr double kSameLooks = 0.9;  // cosine of effects that look alike [-]
+constexpr double kInRange = 0.03;   // estimates nearer to an end of their range lie on its edge [-]
+
+std::string padded(std::string text, std::size_t width) {
+    text.resize(std::max(width, text.size()), ' ');
+    return text;
+}
+
+std::string p_text(double p) {
+    if (!std::isfinite(p)) return "-";
+    return p < 0.0015 ? "0.001" : short_number(p);
+}
+
+const char* unit_of(const DiagnosisVariant& v) {
+    for (const EffectParameter& p : effect_info(v.kind).parameters)
+        if (p.key == v.parameter) return p.unit;
+    return "-";
+}
+
+std::string with_unit(double value, const std::string& unit) {
+    return short_number(value) + (unit == "-" ? "" : " " + unit);
+}
+
+/// "ground_drag, linear, on loose waste".
+std::string variant_name(const DiagnosisVariant& v) {
+    const std::string name = effect_info(v.kind).name;
+    return v.label.empty() ? name : name + ", " + v.label;
+}
+
+/// "coefficient 0.31 1/s (95 %: 0.2 to 0.45)".
+std::string strength_text(const DiagnosisVariant& v, double strength, const Interval& interval) {
+    const double a = v.value(interval.low), b = v.value(interval.high);
+    return v.parameter + " " + with_unit(v.value(strength), unit_of(v)) + " (95 %: " + short_number(std::min(a, b)) +
+           " to " + short_number(std::max(a, b)) + ")";
+}
+
+std::vector<std::size_t> by_size(const Eigen::VectorXd& values) {
+    std::vector<std::size_t> order(static_cast<std::size_t>(values.size()));
+    std::iota(order.begin(), order.end(), 0u);
+    std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
+        return std::abs(values[static_cast<Eigen::Index>(a)]) > std::abs(values[static_cast<Eigen::Index>(b)]);
+    });
+    return order;
+}
+
+/// "mean 9.8 measured, 12.4 simulated [m/s]" of a column that is an observable.
+std::string in_units(const DiagnoseStudy& study, const Column& column) {
+    for (const ComparedObservable& o : study.before.observables)
+        if (o.gap.observable.columns.size() == 1 && o.gap.observable.columns.front() == column && !o.measured.empty() &&
+            o.measured_share.of == 0)
+            return ": mean " + short_number(o.measured_summary.mean) + " measured, " +
+                   short_number(o.simulated_summary.mean) + " simulated [" + o.unit + "]";
+    for (const ComparedObservable& o : study.before.observables)
+        if (o.gap.observable.columns.size() == 1 && o.gap.observable.columns.front() == column &&
+            o.measured_share.of > 0)
+            return ": " + short_number(100.0 * o.measured_share.share()) + " % measured, " +
+                   short_number(100.0 * o.simulated_share.share()) + " % simulated";
+    return "";
+}
+
+std::string direction(const Residual& r, bool more) {
+    switch (r.kind) {
+        case ResidualKind::Passed:
+            return more ? "is higher than simulated" : "is lower than simulated";
+        case ResidualKind::Level:
+        case ResidualKind::Innovation:
+            return more ? "is larger than simulated" : "is smaller than simulated";
+        case ResidualKind::Spread:
+            return more ? "is wider than simulated" : "is narrower than simulated";
+        case ResidualKind::MassTrend:
+            return more ? "rises more with mass than simulated" : "falls more with mass than simulated";
+        case ResidualKind::ShapeTrend:
+            return more ? "rises more with elongation than simulated" : "falls more with elongation than simulated";
+        case ResidualKind::OrderTrend:
+            return more ? "rises in the course of the test" : "falls in the course of the test";
+        case ResidualKind::Together:
+            return more ? "go together more than simulated" : "go together less than simulated";
+        case ResidualKind::Window:
+            return more ? "are more than simulated" : "are fewer than simulated";
+    }
+    return "";
+}
+
+/// The words of a residual without what `direction` says anyway.
+std::string subject_of(const Residual& r, std::span<const std::string> screens) {
+    Residual plain = r;
+    if (r.kind == ResidualKind::MassTrend || r.kind == ResidualKind::ShapeTrend || r.kind == ResidualKind::OrderTrend)
+        plain.kind = ResidualKind::Level;
+    return residual_name(plain, screens);
+}
+
+std::string held_out_text(const CalibratedModel& m) {
+    return m.result.folds.empty() ? "-" : gap_number(m.result.held_out.gap());
+}
+
+/// Share of the removable held-out loss: down to what one more repeat of the simulation would lose.
+double closed_share(const DiagnoseStudy& study, const AnswerFit& a) {
+    const CalibrationFit &without = study.baseline.result.held_out, &with = a.model.result.held_out;
+    return (without.loss - with.loss) / (without.loss - with.floor);
+}
+
+std::string names_of(const std::vector<AnswerFit>& answers) {
+    std::string text;
+    for (std::size_t k = 0; k < answers.size(); ++k)
+        text += (k == 0 ? "" : k + 1 == answers.size() ? " or " : ", ") + answers[k].candidate->name;
+    return text;
+}
+
+std::string smallest_seen(const DiagnoseStudy& study, const EffectFinding& f) {
+    const DiagnosisCandidate& c = study.candidate_of(f);
+    if (!std::isfinite(f.smallest_seen)) return "not visible";
+    const DiagnosisVariant& v = c.variants[f.seen_variant];
+    return variant_name(v) + ": " + v.parameter + " " + with_unit(v.value(f.smallest_seen), unit_of(v));
+}
+
+/// Effects that look like this one after a recalibration.
+std::string look_alikes(const DiagnoseStudy& study, const EffectFinding& f) {
+    std::string text;
+    for (const EffectFinding& other : study.diagnosis.findings) {
+        if (other.effect == f.effect) continue;
+        const double c =
+            study.diagnosis.cosines(static_cast<Eigen::Index>(f.effect), static_cast<Eigen::Index>(other.effect));
+        if (c >= kSameLooks && other.visibility > 1.0 && f.visibility > 1.0)
+            text += (text.empty() ? "" : ", ") + study.candidate_of(other).name;
+    }
+    return text;
+}
+
+}  // namespace
+
+std::string verdict_sentence(const DiagnoseStudy& study) {
+    const Diagnosis& d = study.diagnosis;
+    if (study.planning) return "planned: what a test like this could see";
+    switch (study.verdict) {
+        case Verdict::None:
+            return "NONE: the calibrated model could have produced these measurements (p = " + p_text(d.test.p) +
+                   "); nothing is missing that they could show";
+        case Verdict::Named:
+            return "NAMED: " + variant_name(*study.answers.front().variant) + " (" +
+                   study.answers.front().candidate->title + ")";
+        case Verdict::Group:
+            return "GROUP: " + names_of(study.answers) + "; these measurements cannot tell them apart";
+        case Verdict::Unknown:
+            return "UNKNOWN: something is missing (p = " + p_text(d.test.p) + ") that has no name in the catalogue" +
+                   (study.demoted.empty() ? "" : ": " + study.demoted);
+        case Verdict::DataProblem:
+            if (study.answers.empty()) return "DATA PROBLEM: the measurements cannot be used as they are";
+            return "DATA PROBLEM: " + names_of(study.answers) +
+                   (study.answers.size() == 1 ? ", " + study.answers.front().variant->label : "") +
+                   "; check how it was measured before anything else";
+    }
+    return "";
+}
+
+std::vector<std::string> where_sentences(const DiagnoseStudy& study) {
+    std::vector<std::string> sentences;
+    const Diagnosis& d = study.diagnosis;
+    if (d.residuals.empty() || study.planning) return sentences;
+    for (const std::size_t k : by_size(d.score.standardised)) {
+        const auto i = static_cast<Eigen::Index>(k);
+        if (d.test.residual_p[i] > study.settings.level || sentences.size() == kMostSentences) break;
+        const double s = d.score.standardised[i];
+        const Residual& r = d.residuals[k];
+        sentences.push_back(subject_of(r, study.screens) + " " + direction(r, s > 0.0) +
+                            (r.kind == ResidualKind::Level || r.kind == ResidualKind::Passed ? in_units(study, r.column)
+                                                                                             : std::string()) +
+                            " (" + short_number(std::abs(s)) +
+                            " standard deviations, p = " + p_text(d.test.residual_p[i]) + ")");
+    }
+    return sentences;
+}
+
+std::vector<std::string> diagnose_remarks(const DiagnoseStudy& study) {
+    std::vector<std::string> remarks;
+    const auto& parameters = study.keys.problem.parameters;
+    for (std::size_t i = 0; i < study.baseline.result.parameters.size() && !study.planning; ++i) {
+        const ParameterEstimate& e = study.baseline.result.parameters[i];
+        if (e.at_low || e.at_high)
+            remarks.push_back(parameters[i].name +
+                              " of the calibrated model lies on the edge of its range: a missing "
+                              "effect often drives it there");
+    }
+    for (const AnswerFit& a : study.answers) {
+        if (study.verdict == Verdict::Unknown) break;
+        if (a.model.strength > (1.0 - kInRange) * a.variant->most)
+            remarks.push_back("the strength of " + a.candidate->name + " lies at the end of what was searched");
+        if (!study.baseline.result.folds.empty() && !(closed_share(study, a) > 0.0))
+            remarks.push_back(a.candidate->name + " does not improve the prediction of blocks held out");
+        if (a.study.overall.beyond_chance())
+            remarks.push_back("with " + a.candidate->name + " the model is still beyond chance as a whole");
+    }
+    if (study.verdict == Verdict::Group)
+        for (const AnswerFit& a : study.answers)
+            remarks.push_back(a.candidate->name + " would show in " + effect_info(a.variant->kind).seen_in);
+    if (study.in_plane && (study.verdict == Verdict::Named || study.verdict == Verdict::Group))
+        remarks.push_back(
+            "the model is 2D: what blocks do sideways can look like an effect; confirm with model.dimension = 3");
+    if (study.verdict == Verdict::Named)
+        remarks.push_back("the name is the best of " + std::to_string(study.catalogue.candidates.size()) +
+                          " that were searched; it holds for this slope and these blocks, and its strength for ground "
+                          "like this");
+    return remarks;
+}
+
+void print_power(std::ostream& out, const DiagnoseStudy& study) {
+    out << "what would be seen in 4 of 5 such tests, at the level of " << short_number(100.0 * study.settings.level)
+        << " %, after recalibration:\n";
+    for (const EffectFinding& f : study.diagnosis.findings) {
+        const std::string alike = look_alikes(study, f);
+        out << "  " << padded(study.candidate_of(f).name, 24) << " from " << smallest_seen(study, f)
+            << (alike.empty() ? "" : "; looks like " + alike) << "\n";
+    }
+}
+
+namespace {
+
+void print_answers(std::ostream& out, const DiagnoseStudy& study) {
+    out << "\n" << padded("", 34) << "gap of what is fitted   held out   gap over all   weight\n";
+    out << padded("calibrated model", 34) << padded(gap_number(study.baseline.result.best_fit.gap()), 24)
+        << padded(held_out_text(study.baseline), 11) << padded(gap_number(study.before.overall.gap), 15)
+        << short_number(study.diagnosis.weight_none) << "\n";
+    for (const AnswerFit& a : study.answers)
+        out << padded("with " + a.candidate->name, 34) << padded(gap_number(a.model.result.best_fit.gap()), 24)
+            << padded(held_out_text(a.model), 11) << padded(gap_number(a.study.overall.gap), 15)
+            << short_number(a.finding.weight) << "\n";
+    for (const AnswerFit& a : study.answers) {
+        out << "  " << variant_name(*a.variant) << ": "
+            << strength_text(*a.variant, a.model.strength, a.model.result.parameters.back().interval);
+        if (!study.baseline.result.folds.empty())
+            out << "; closes " << short_number(100.0 * closed_share(study, a)) << " % of the removable held-out gap";
+        out << "\n";
+    }
+}
+
+}  // namespace
+
+void print_diagnosis(std::ostream& out, const DiagnoseStudy& study) {
+    out << study.site.settings.name << ": " << study.blocks << (study.planning ? " blocks\n" : " measured blocks\n");
+    for (const Finding& f : study.audit) out << "  " << f.sentence << "\n";
+    if (!study.planning) out << "=> " << verdict_sentence(study) << "\n";
+    const std::vector<std::string> where = where_sentences(study);
+    if (!where.empty()) out << "\nwhere the calibrated model fails (chance of any such finding below 5 %):\n";
+    for (const std::string& s : where) out << "  " << s << "\n";
+    if (!study.answers.empty()) print_answers(out, study);
+    if (study.verdict == Verdict::None && !study.diagnosis.findings.empty()) {
+        out << "\n";
+        print_power(out, study);
+    }
+    for (const std::string& remark : diagnose_remarks(study)) out << "=> " << remark << "\n";
+}
+
+namespace {
+
+Json interval_json(const Interval& i) {
+    return Json::array({i.low, i.high});
+}
+
+Json finding_json(const DiagnoseStudy& study, const EffectFinding& f) {
+    const DiagnosisVariant& v = study.variant_of(f);
+    Json json{{"effect", study.candidate_of(f).name},
+              {"form", effect_info(v.kind).name},
+              {"label", v.label},
+              {"measurement", study.candidate_of(f).measurement},
+              {"z", f.z},
+              {"visibility_at_reference", f.visibility},
+              {"reference", {{"parameter", v.parameter}, {"unit", unit_of(v)}, {"value", v.reference}}}};
+    if (std::isfinite(f.smallest_seen)) {
+        const DiagnosisVariant& seen = study.candidate_of(f).variants[f.seen_variant];
+        json["smallest_seen"] = {{"form", effect_info(seen.kind).name},
+                                 {"label", seen.label},
+                                 {"parameter", seen.parameter},
+                                 {"value", seen.value(f.smallest_seen)}};
+    } else {
+        json["smallest_seen"] = nullptr;
+    }
+    if (!std::isnan(v.from)) json["between_m"] = Json::array({v.from, v.to});
+    if (f.finalist) {
+        json["strength"] = f.strength;
+        json["value"] = v.value(f.strength);
+        json["left_over_p"] = f.p;
+        json["weight"] = f.weight;
+    }
+    return json;
+}
+
+Json answer_json(const DiagnoseStudy& study, const AnswerFit& a) {
+    const Interval& i = a.model.result.parameters.back().interval;
+    const double low = a.variant->value(i.low), high = a.variant->value(i.high);
+    Json json{{"effect", a.candidate->name},
+              {"form", effect_info(a.variant->kind).name},
+              {"label", a.variant->label},
+              {"parameter", a.variant->parameter},
+              {"unit", unit_of(*a.variant)},
+              {"value", a.variant->value(a.model.strength)},
+              {"interval_95", interval_json({std::min(low, high), std::max(low, high)})},
+              {"weight", a.finding.weight},
+              {"gap_fitted", a.model.result.best_fit.gap()},
+              {"gap_over_all", a.study.overall.gap}};
+    if (!std::isnan(a.variant->from)) json["between_m"] = Json::array({a.variant->from, a.variant->to});
+    if (!study.baseline.result.folds.empty()) {
+        json["held_out_loss"] = a.model.result.held_out.loss;
+        json["held_out_gap"] = a.model.result.held_out.gap();
+        json["removable_gap_closed"] = closed_share(study, a);
+    }
+    for (std::size_t k = 0; k < a.model.point.values.size(); ++k)
+        json["calibrated"][study.keys.problem.parameters[k].name] = a.model.point.values[k];
+    return json;
+}
+
+}  // namespace
+
+std::string diagnose_json(const DiagnoseStudy& study) {
+    const Diagnosis& d = study.diagnosis;
+    Json json;
+    json["program"] = "scree " + version();
+    json["site"] = study.site.settings.name;
+    json["seed"] = study.settings.seed;
+    json["measured_blocks"] = study.blocks;
+    json["verdict"] = study.planning ? "PLAN" : kVerdictNames[static_cast<std::size_t>(study.verdict)];
+    json["sentence"] = verdict_sentence(study);
+    json["answer"] = Json::array();
+    for (const AnswerFit& a : study.answers) json["answer"].push_back(answer_json(study, a));
+    json["audit"] = Json::array();
+    for (const Finding& f : study.audit)
+        json["audit"].push_back({{"check", f.check},
+                                 {"severity", f.severity == Severity::Error ? "error" : "warning"},
+                                 {"sentence", f.sentence}});
+    json["where"] = where_sentences(study);
+    json["remarks"] = diagnose_remarks(study);
+    if (!d.residuals.empty()) {
+        json["global_test"] = {
+            {"level", study.settings.level}, {"z_limit", d.test.z_limit}, {"residual_limit", d.test.residual_limit}};
+        if (!study.planning) {
+            json["global_test"]["p"] = d.test.p;
+            json["global_test"]["p_any"] = d.test.p_q;
+            json["global_test"]["p_effect"] = d.test.p_z;
+            json["weight_none"] = d.weight_none;
+        }
+        json["residuals"] = Json::array();
+        for (std::size_t k = 0; k < d.residuals.size(); ++k) {
+            Json row{{"name", residual_name(d.residuals[k], study.screens)}};
+            if (!study.planning) {
+                row["standardised"] = d.score.standardised[static_cast<Eigen::Index>(k)];
+                row["p"] = d.test.residual_p[static_cast<Eigen::Index>(k)];
+            }
+            json["residuals"].push_back(row);
+        }
+    }
+    json["effects"] = Json::array();
+    for (const EffectFinding& f : d.findings) json["effects"].push_back(finding_json(study, f));
+    json["cosines"] = Json::array();
+    for (Eigen::Index i = 0; i < d.cosines.rows(); ++i) {
+        Json row = Json::array();
+        for (Eigen::Index j = 0; j < d.cosines.cols(); ++j) row.push_back(d.cosines(i, j));
+        json["cosines"].push_back(row);
+    }
+    json["order_of_cosines"] = Json::array();
+    for (const DiagnosisCandidate& c : study.catalogue.candidates) json["order_of_cosines"].push_back(c.name);
+    json["not_searched"] = study.catalogue.left_out;
+    if (!study.planning && !study.baseline.result.parameters.empty()) {
+        Json baseline;
+        for (std::size_t k = 0; k < study.baseline.point.values.size(); ++k)
+            baseline["calibrated"][study.keys.problem.parameters[k].name] = study.baseline.point.values[k];
+        baseline["gap_fitted"] = study.baseline.result.best_fit.gap();
+        baseline["gap_over_all"] = study.before.overall.gap;
+        if (!study.baseline.result.folds.empty()) {
+            baseline["held_out_loss"] = study.baseline.result.held_out.loss;
+            baseline["held_out_gap"] = study.baseline.result.held_out.gap();
+        }
+        json["baseline"] = baseline;
+    }
+    json["simulated_blocks"] = d.simulated_blocks;
+    json["inputs"] = study.inputs;
+    return json.dump(1) + "\n";
+}
+
+std::string extended_toml(const DiagnoseStudy& study, const fs::path& to) {
+    std::ostringstream text;
+    text << "# By scree diagnose (scree " << version() << ", seed " << study.settings.seed << ").\n# "
+         << verdict_sentence(study) << ".\n";
+    for (const std::string& remark : diagnose_remarks(study)) text << "# Note: " << remark << ".\n";
+    for (const std::string& input : study.inputs) text << "# Input: " << input << "\n";
+    text << "\n";
+    const bool with = !study.answers.empty() && study.verdict != Verdict::Unknown;
+    const SiteFile site = with ? extended_site(study, study.answers.front())
+                               : with_changes(study.site, study.keys.changes(study.baseline.point));
+    SiteSettings settings = site.settings;
+    settings.output_directory = "out";
+    text << settings_as_toml(settings, [&](const std::string& path) {
+        if (path == settings.output_directory || path == "results.gpkg") return path;
+        std::error_code error;
+        const fs::path relative = fs::relative(study.site.resolve(path), to, error);
+        return error || relative.empty() ? fs::absolute(study.site.resolve(path)).string() : relative.string();
+    });
+    return text.str();
+}
+
+namespace {
+
+std::string table_of(const std::vector<std::string>& head, const std::vector<std::vector<std::string>>& rows) {
+    std::ostringstream html;
+    html << "<table><tr>";
+    for (const std::string& h : head) html << "<th>" << escaped(h) << "</th>";
+    html << "</tr>\n";
+    for (const auto& row : rows) {
+        html << "<tr>";
+        for (const std::string& cell : row) html << "<td>" << escaped(cell) << "</td>";
+        html << "</tr>\n";
+    }
+    html << "</table>\n";
+    return html.str();
+}
+
+std::string list_html(const std::vector<std::string>& items) {
+    std::string html = "<ul>\n";
+    for (const std::string& item : items) html += "<li>" + escaped(item) + "</li>\n";
+    return html + "</ul>\n";
+}
+
+std::string gaps_html(const DiagnoseStudy& study, const AnswerFit& a) {
+    std::vector<std::vector<std::string>> rows;
+    for (std::size_t k = 0; k < study.before.observables.size() && k < a.study.observables.size(); ++k) {
+        const ComparedObservable &b = study.before.observables[k], &w = a.study.observables[k];
+        rows.push_back({b.gap.observable.name, gap_number(b.gap.pooled.gap), gap_number(w.gap.pooled.gap),
+                        gap_number(b.gap.pooled.chance.low) + " to " + gap_number(b.gap.pooled.chance.high)});
+    }
+    rows.push_back(
+        {"all", gap_number(study.before.overall.gap), gap_number(a.study.overall.gap),
+         gap_number(study.before.overall.chance.low) + " to " + gap_number(study.before.overall.chance.high)});
+    if (!study.baseline.result.folds.empty())
+        rows.push_back({"held out, what was fitted", held_out_text(study.baseline), held_out_text(a.model), ""});
+    return table_of({"gap", "calibrated", "with " + a.candidate->name, "chance"}, rows);
+}
+
+/// 95 % values of what a barrier is designed for.
+std::string consequences_html(const DiagnoseStudy& study, const AnswerFit& a) {
+    std::vector<std::vector<std::string>> rows;
+    for (std::size_t k = 0; k < study.before.observables.size() && k < a.study.observables.size(); ++k) {
+        const ComparedObservable &b = study.before.observables[k], &w = a.study.observables[k];
+        if (b.simulated_summary.quantiles.empty() || w.simulated_summary.quantiles.empty()) continue;
+        rows.push_back({b.gap.observable.name + " [" + b.unit + "]", short_number(b.simulated_summary.quantiles.back()),
+                        short_number(w.simulated_summary.quantiles.back()),
+                        b.measured_summary.quantiles.empty() ? "" : short_number(b.measured_summary.quantiles.back())});
+    }
+    return table_of({"95 % value", "calibrated", "with " + a.candidate->name, "measured"}, rows);
+}
+
+std::string effects_html(const DiagnoseStudy& study) {
+    std::vector<std::vector<std::string>> rows;
+    for (const EffectFinding& f : study.diagnosis.findings)
+        rows.push_back({study.candidate_of(f).name, variant_name(study.variant_of(f)),
+                        study.planning ? "" : short_number(f.z), short_number(f.visibility), smallest_seen(study, f),
+                        f.finalist ? short_number(f.weight) : "", f.finalist ? p_text(f.p) : "",
+                        look_alikes(study, f)});
+    return table_of({"effect", "form and place", "z", "z to expect at its reference", "seen in 4 of 5 tests from",
+                     "weight", "p of what it leaves", "looks like"},
+                    rows);
+}
+
+constexpr const char* kHow =
+    R"(<p><b>z</b>: how well an effect explains what the calibrated model leaves, in standard deviations, with everything taken out that a recalibration absorbs. <b>Weight</b>: of the
+finalists and the calibrated model, from simulations at the strength and parameters that fit best. <b>p of what it leaves</b>: how often the effect's own simulations look as far off as the
+measurements. <b>Removable gap</b>: what the held-out blocks lose beyond one more repeat of the simulation.</p>
+)";
+
+}  // namespace
+
+std::string diagnose_html(const DiagnoseStudy& study, const std::vector<Figure>& figures,
+                          const std::vector<Figure>& before, const std::vector<Figure>& after) {
+    std::ostringstream html;
+    html << "<p class=\"verdict\">" << escaped(verdict_sentence(study)) << "</p>\n<p>" << study.blocks
+         << (study.planning ? " blocks planned" : " measured blocks") << "; " << study.diagnosis.simulated_blocks
+         << " blocks simulated beside the calibrations.</p>\n";
+    std::vector<std::string> audit;
+    for (const Finding& f : study.audit) audit.push_back(f.sentence);
+    if (!audit.empty()) html << "<h2>What the measurements themselves say</h2>\n" << list_html(audit);
+    const std::vector<std::string> remarks = diagnose_remarks(study), where = where_sentences(study);
+    if (!remarks.empty()) html << list_html(remarks);
+    if (!where.empty())
+        html << "<h2>Where the calibrated model fails</h2>\n<p>Beyond chance at 5 %, for all looks together.</p>\n"
+             << list_html(where);
+    for (const Figure& f : figures) html << "<h2>" << escaped(f.title) << "</h2>\n" << html_figure(f);
+    for (const AnswerFit& a : study.answers) {
+        html << "<h2>With " << escaped(variant_name(*a.variant)) << "</h2>\n<p>"
+             << escaped(strength_text(*a.variant, a.model.strength, a.model.result.parameters.back().interval))
+             << ".</p>\n"
+             << gaps_html(study, a) << "<p>What it changes for the measured blocks:</p>\n"
+             << consequences_html(study, a);
+    }
+    if (!study.diagnosis.findings.empty())
+        html << "<h2>All effects that were searched</h2>\n" << effects_html(study) << kHow;
+    if (!before.empty()) html << "<h2>Measured and simulated, calibrated model</h2>\n";
+    for (const Figure& f : before) html << html_figure(f);
+    if (!after.empty())
+        html << "<h2>Measured and simulated, with " << escaped(study.answers.front().candidate->name) << "</h2>\n";
+    for (const Figure& f : after) html << html_figure(f);
+    html << "<h2>Not searched</h2>\n"
+         << list_html(study.catalogue.left_out) << "<h2>Inputs</h2>\n"
+         << list_html(study.inputs);
+    return html_page(study.site.settings.name + (study.planning ? ": plan of a test" : ": diagnosis"), html.str());
+}
+
+}  // namespace scree::cli

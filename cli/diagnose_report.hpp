@@ -1,0 +1,32 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include "cli/compare_figures.hpp"
+#include "cli/diagnose_study.hpp"
+
+#include <filesystem>
+#include <iosfwd>
+#include <string>
+#include <vector>
+
+namespace scree::cli {
+
+/// What was found, in one sentence.
+std::string verdict_sentence(const DiagnoseStudy& study);
+/// Where the calibrated model and the measurements disagree, beyond chance even for so many looks; a sentence each, worst first.
+std::vector<std::string> where_sentences(const DiagnoseStudy& study);
+/// What a reader must know before using the answer, a sentence each.
+std::vector<std::string> diagnose_remarks(const DiagnoseStudy& study);
+
+std::vector<Figure> diagnose_figures(const DiagnoseStudy& study);
+std::string diagnose_json(const DiagnoseStudy& study);
+std::string diagnose_html(const DiagnoseStudy& study, const std::vector<Figure>& figures,
+                          const std::vector<Figure>& before, const std::vector<Figure>& after);
+/// The site with calibrated values and, if one was found, the effect; for the folder `to`.
+std::string extended_toml(const DiagnoseStudy& study, const std::filesystem::path& to);
+/// Which strength of each effect such a test would see, and what looks like it.
+void print_power(std::ostream& out, const DiagnoseStudy& study);
+/// On one screen.
+void print_diagnosis(std::ostream& out, const DiagnoseStudy& study);
+
+}  // namespace scree::cli

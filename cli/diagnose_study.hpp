@@ -1,0 +1,86 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include "cli/compare_study.hpp"
+#include "cli/diagnose_candidates.hpp"
+#include "cli/field_test.hpp"
+#include "cli/simulation_store.hpp"
+
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace scree::cli {
+
+/// A model that was calibrated, and the effect in it if there is one: the last parameter is then its strength.
+struct CalibratedModel {
+    CalibrationPoint point;  ///< of the free keys
+    double strength = 0.0;   ///< of the effect [-]
+    CalibrationResult result;
+    std::size_t evaluations = 0;  ///< simulations that it took [-]
+};
+
+/// An effect of the answer, refitted.
+struct AnswerFit {
+    const DiagnosisCandidate* candidate = nullptr;
+    const DiagnosisVariant* variant = nullptr;
+    EffectFinding finding;
+    CalibratedModel model;
+    CompareStudy study;  ///< of the measured blocks
+    CampaignResult campaign;
+};
+
+/// Everything that a diagnosis found; text, JSON, site file and pictures are made from it and from nothing else.
+struct DiagnoseStudy {
+    SiteFile site;  ///< as it was given
+    FreeKeys keys;
+    CalibrationSettings search;
+    DiagnosisSettings settings;
+    DiagnosisCatalogue catalogue;
+    std::vector<std::string> screens;
+    std::vector<Finding> audit;
+    std::vector<std::string> inputs;  ///< a line each
+    std::size_t blocks = 0;           ///< measured [-]
+    bool planning = false;            ///< nothing was measured yet
+    bool in_plane = false;
+
+    CalibratedModel baseline;
+    CompareStudy before;  ///< the calibrated model
+    CampaignResult campaign;
+    Diagnosis diagnosis;
+    Verdict verdict = Verdict::None;  ///< after the refits
+    std::vector<AnswerFit> answers;   ///< refitted, best first
+    std::string demoted;              ///< why the verdict is weaker than the diagnosis alone has it; empty: it is not
+    bool interrupted = false;
+
+    const DiagnosisCandidate& candidate_of(const EffectFinding& f) const { return catalogue.candidates[f.effect]; }
+    const DiagnosisVariant& variant_of(const EffectFinding& f) const {
+        return catalogue.candidates[f.effect].variants[f.variant];
+    }
+};
+
+/// Stage, simulations done and planned in it.
+using DiagnoseProgress = std::function<void(const std::string& stage, std::size_t done, std::size_t planned)>;
+
+/// What all stages work on.
+struct DiagnoseInput {
+    const SiteFile& site;
+    const SiteModel& model;
+    const ObservedSite& observed;
+    int threads = 0;
+    SimulationStore& store;
+    DiagnoseProgress progress;
+};
+
+/// Calibrates the model, tests it, follows what may be missing, refits the answer with the same search and judges it on held-out blocks. Fills all but the
+/// fields that the caller knows (site, keys, search, settings, inputs).
+void run_study(const DiagnoseInput& input, DiagnoseStudy& study);
+
+/// What the test in `input.observed`, of which values say only what would be measured, could see with the site's own parameters.
+void plan_study(const DiagnoseInput& input, DiagnoseStudy& study);
+
+/// The site with the calibrated values and the effect, as it would be simulated; `strength` of the variant.
+SiteFile extended_site(const DiagnoseStudy& study, const AnswerFit& answer);
+
+}  // namespace scree::cli

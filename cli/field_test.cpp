@@ -1,0 +1,53 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "cli/field_test.hpp"
+
+#include "cli/progress.hpp"
+#include "gis/sha256.hpp"
+
+#include <algorithm>
+#include <filesystem>
+
+namespace scree::cli {
+
+FieldTest::FieldTest(const SiteFile& site, const SiteModel& model, const ObservedSite& observed, const FreeKeys& keys,
+                     int threads)
+    : site_(site), observed_(observed), keys_(keys), input_(model.campaign) {
+    input_.threads = threads;
+    input_.kept_trajectories = 0;
+}
+
+CampaignResult FieldTest::run(const SiteFile& candidate, std::uint64_t seed, std::int64_t repeats,
+                              std::span<const Effect> more) const {
+    CampaignInput input = input_;
+    SiteFile site = candidate;
+    site.settings.observed.repeats = repeats;
+    apply_parameters(site, input);
+    input.dynamics.kept_problems = 0;
+    input.seed = seed;
+    const Observations& o = observed_.observations;
+    input.release.count = repeats * std::max<std::int64_t>({1, o.thrown, static_cast<std::int64_t>(o.stops.size())});
+    match_campaign(site, observed_, input);
+    shift_screens(more, observed_.op.axis, input);
+    input.effects.insert(input.effects.end(), more.begin(), more.end());
+    return run_campaign(
+        input, [](std::int64_t) {}, InterruptScope::flag());
+}
+
+ObservedSite with_faults(const ObservedSite& observed, std::span<const Effect> effects) {
+    ObservedSite faulty = observed;
+    faulty.op.effects.insert(faulty.op.effects.end(), effects.begin(), effects.end());
+    return faulty;
+}
+
+std::vector<std::string> input_lines(const SiteModel& model, const ObservedSite& observed) {
+    std::vector<std::string> lines;
+    const auto add = [&](const std::string& file, const char* what) {
+        lines.push_back(std::filesystem::path(file).filename().string() + what + ", sha256 " +
+                        gis::sha256_of_file(file));
+    };
+    for (const std::string& file : observed.inputs) add(file, " (measured)");
+    for (const std::string& file : model.inputs) add(file, "");
+    return lines;
+}
+
+}  // namespace scree::cli

@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include "cli/free_keys.hpp"
+#include "cli/observed_site.hpp"
+
+#include <span>
+
+namespace scree::cli {
+
+/// A field test that can be repeated with other values of free keys and with effects that the site does not have.
+class FieldTest {
+public:
+    FieldTest(const SiteFile& site, const SiteModel& model, const ObservedSite& observed, const FreeKeys& keys,
+              int threads);
+
+    SiteFile site_at(const CalibrationPoint& point) const { return with_changes(site_, keys_.changes(point)); }
+    /// Throws every measured block `repeats` times. `more`: effects beside those of the site. Interrupted by Ctrl-C.
+    CampaignResult run(const SiteFile& candidate, std::uint64_t seed, std::int64_t repeats,
+                       std::span<const Effect> more = {}) const;
+
+private:
+    const SiteFile& site_;
+    const ObservedSite& observed_;
+    const FreeKeys& keys_;
+    CampaignInput input_;
+};
+
+/// The same test measured in a way that has these faults, too.
+ObservedSite with_faults(const ObservedSite& observed, std::span<const Effect> effects);
+
+/// "stopping_points.csv (measured), sha256 ...", a line per file.
+std::vector<std::string> input_lines(const SiteModel& model, const ObservedSite& observed);
+
+}  // namespace scree::cli

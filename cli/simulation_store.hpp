@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include "scree/inference/observation.hpp"
+
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace scree::cli {
+
+/// The simulations of a diagnosis on disc, one file each, so that a stopped one can go on. A simulation is known by the words that describe it; whatever
+/// the folder holds of another study is not found.
+class SimulationStore {
+public:
+    /// `subject`: all that the simulations depend on beside those words. Nothing is read before it is asked for; the folder appears with the first file.
+    SimulationStore(std::filesystem::path folder, std::string subject);
+
+    std::optional<ObservationTable> find(const std::string& words) const;
+    void keep(const std::string& words, const ObservationTable& table);
+    /// A file for other use, under the same folder.
+    std::filesystem::path file(const std::string& name) const { return folder_ / name; }
+    const std::filesystem::path& folder() const { return folder_; }
+    const std::string& subject() const { return subject_; }
+    void remove();
+
+private:
+    std::filesystem::path file_of(const std::string& words) const;
+
+    std::filesystem::path folder_;
+    std::string subject_;
+};
+
+}  // namespace scree::cli

@@ -1,0 +1,168 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// scree diagnose on quarry_a in 2D, with budgets that are small and faults that are large: how often it is right is for the blind cases.
+#include "cli/program.hpp"
+#include "cli/results.hpp"
+#include "support/paths.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include <filesystem>
+#include <sstream>
+
+namespace scree::test {
+namespace {
+
+using nlohmann::json;
+using testing::HasSubstr;
+using testing::IsEmpty;
+using testing::Not;
+namespace fs = std::filesystem;
+
+/// A field test: quarry_a with another seed.
+fs::path field_test(const fs::path& folder, int blocks) {
+    std::vector<std::string> args{
+        "--set", "release.count=" + std::to_string(blocks), "--seed", "5", "--set", "model.dimension=2"};
+    EXPECT_EQ(run_quarry_a(folder, args).code, 0);
+    return folder;
+}
+
+Outcome diagnose(const fs::path& output, const std::vector<std::string>& more) {
+    std::vector<std::string> args{"diagnose", (quarry_a() / "site.toml").string(),      "--output", output.string(),
+                                  "--free",   "soil.compact waste.rolling=0.01:0.3:log"};
+    for (const char* set :
+         {"model.dimension=2", "calibration.starts=1", "calibration.screening=6", "calibration.generations=1",
+          "calibration.search_repeats=4", "calibration.surroundings=10", "calibration.repeats=4",
+          "calibration.final_repeats=8", "calibration.folds=2", "calibration.draws=200", "observed.draws=200",
+          "diagnosis.reference_repeats=24", "diagnosis.repeats=8", "diagnosis.draws=199", "diagnosis.finalists=2",
+          "diagnosis.rounds=1"}) {
+        args.push_back("--set");
+        args.push_back(set);
+    }
+    args.insert(args.end(), more.begin(), more.end());
+    return scree_program(args);
+}
+
+/// The same with every measured speed times a factor, as tables.
+fs::path with_speeds(const fs::path& results, const fs::path& folder, double factor) {
+    fs::create_directories(folder);
+    std::ostringstream crossings, stops;
+    crossings << "screen,block_id,speed_ms\n";
+    for (const PointRow& c : read_points(results / "results.gpkg", "screen_crossings"))
+        crossings << c.values.at("screen") << ",B" << c.values.at("block") << "," << factor * c.number("speed_ms")
+                  << "\n";
+    put(folder / "screen_crossings.csv", crossings.str());
+    stops.precision(12);
+    stops << "block_id,mass_kg,l1_m,l2_m,l3_m,easting_m,northing_m\n";
+    for (const PointRow& b : read_points(results / "results.gpkg", "stopping_points"))
+        stops << "B" << b.values.at("block") << "," << b.number("mass_kg") << "," << b.number("l1_m") << ","
+              << b.number("l2_m") << "," << b.number("l3_m") << "," << b.at.x() << "," << b.at.y() << "\n";
+    put(folder / "stopping_points.csv", stops.str());
+    return folder;
+}
+
+TEST(Diagnose, NamesAFaultOfTheMeasurementAndWritesAllOfIt) {
+    const TempDir folder;
+    const fs::path observed = with_speeds(field_test(folder / "field", 24), folder / "obs", 1.35), out = folder / "out";
+    const Outcome run = diagnose(out, {"--observed", observed.string(), "--threads", "1"});
+    ASSERT_EQ(run.code, 0) << run.err;
+    EXPECT_THAT(run.out, HasSubstr("=> DATA PROBLEM: speed_error"));
+    EXPECT_THAT(run.out, HasSubstr("speed at ES1-A is larger than simulated"));
+    const json j = json::parse(text_of(out / "diagnosis.json"));
+    EXPECT_EQ(j.at("verdict"), "DATA PROBLEM");
+    ASSERT_EQ(j.at("answer").size(), 1U);
+    const json& answer = j.at("answer")[0];
+    EXPECT_EQ(answer.at("effect"), "speed_error");
+    EXPECT_EQ(answer.at("label"), "too fast");
+    EXPECT_NEAR(answer.at("value").get<double>(), 0.35, 0.1);
+    EXPECT_LT(answer.at("held_out_loss"), j.at("baseline").at("held_out_loss"));
+    EXPECT_GT(answer.at("removable_gap_closed").get<double>(), 0.5);
+    EXPECT_LE(j.at("global_test").at("p").get<double>(), 0.05);
+    for (const char* name : {"report.html", "site_extended.toml", "results.gpkg", "SHA256SUMS", "figures/where.svg",
+                             "figures/effects.svg", "figures/calibrated_overview.svg", "figures/extended_overview.svg"})
+        EXPECT_TRUE(fs::exists(out / name)) << name;
+    EXPECT_FALSE(fs::exists(folder / "out.journal")) << "it has done its work";
+    for (const auto& [name, bytes] : contents_of(out)) {
+        if (name == "site_extended.toml") continue;  // it leads to the inputs
+        EXPECT_EQ(bytes.find(folder.path().string()), std::string::npos) << name;
+        if (!name.ends_with(".svg") && !name.ends_with(".html")) continue;
+        EXPECT_THAT(bytes, Not(HasSubstr("nan"))) << name;
+    }
+
+    // what was found acts where the site is compared again
+    EXPECT_THAT(text_of(out / "site_extended.toml"), HasSubstr("kind = 'speed_error'"));
+    const Outcome compared =
+        scree_program({"compare", (out / "site_extended.toml").string(), "--observed", observed.string(), "--output",
+                       (folder / "compared").string(), "--set", "observed.repeats=8"});
+    EXPECT_EQ(compared.code, 0) << compared.err;
+    for (const json& o : json::parse(text_of(folder / "compared" / "compare.json")).at("observables")) {
+        if (o.at("name") != "speed at ES1-A") continue;
+        EXPECT_LT(o.at("pooled").at("gap").get<double>(), 4.0);
+    }
+}
+
+TEST(Diagnose, FindsNothingInATestOfTheModelItself) {
+    const TempDir folder;
+    const fs::path observed = with_speeds(field_test(folder / "field", 12), folder / "obs", 1.0), out = folder / "out";
+    const Outcome run = diagnose(out, {"--observed", observed.string(), "--threads", "1"});
+    ASSERT_EQ(run.code, 0) << run.err;
+    EXPECT_THAT(run.out, HasSubstr("=> NONE"));
+    EXPECT_THAT(run.out, HasSubstr("what would be seen in 4 of 5 such tests"));
+    EXPECT_THAT(text_of(out / "site_extended.toml"), Not(HasSubstr("[[effect]]")));
+
+    // byte for byte on any number of threads
+    const fs::path again = folder / "again";
+    ASSERT_EQ(diagnose(again, {"--observed", observed.string(), "--threads", "3"}).code, 0);
+    EXPECT_THAT(differing_files(out, again), IsEmpty());
+}
+
+TEST(Diagnose, StopsAtMeasurementsThatCannotBe) {
+    const TempDir folder;
+    fs::create_directories(folder / "obs");
+    put(folder / "obs" / "stopping_points.csv",
+        "block_id,mass_kg,l1_m,l2_m,l3_m,easting_m,northing_m\nA,50,0.8,0.7,0.6,890080,6670040\nA,500,0.8,0.7,0.6,"
+        "890085,6670040\n");
+    const Outcome run = diagnose(folder / "out", {"--observed", (folder / "obs").string()});
+    ASSERT_EQ(run.code, 0) << run.err;
+    EXPECT_THAT(run.out, HasSubstr("=> DATA PROBLEM: the measurements cannot be used as they are"));
+    EXPECT_EQ(json::parse(text_of(folder / "out" / "diagnosis.json")).at("verdict"), "DATA PROBLEM");
+}
+
+TEST(Diagnose, PlansATestBeforeAnythingIsMeasured) {
+    const TempDir folder;
+    const fs::path few = folder / "few", more = folder / "more";
+    ASSERT_EQ(diagnose(few, {"--plan", "--set", "release.count=12"}).code, 0);
+    const Outcome run =
+        diagnose(more, {"--plan", "--instruments", "stops,speed,height,spin", "--set", "release.count=20"});
+    ASSERT_EQ(run.code, 0) << run.err;
+    EXPECT_THAT(run.out, HasSubstr("what would be seen in 4 of 5 such tests"));
+    const auto visibility = [](const fs::path& out, const char* effect) {
+        const json j = json::parse(text_of(out / "diagnosis.json"));
+        EXPECT_EQ(j.at("verdict"), "PLAN");
+        for (const json& e : j.at("effects"))
+            if (e.at("effect") == effect) return e.at("visibility_at_reference").get<double>();
+        return -1.0;
+    };
+    EXPECT_GT(visibility(more, "speed_error"), 2.0);
+    EXPECT_EQ(visibility(few, "height_datum"), -1.0) << "no heights, no datum";
+    EXPECT_GE(visibility(more, "height_datum"), 0.0);
+}
+
+TEST(Diagnose, RefusesInOneSentence) {
+    const TempDir folder;
+    const Outcome nothing = diagnose(folder / "out", {});
+    EXPECT_EQ(nothing.code, 3);
+    EXPECT_THAT(nothing.err, HasSubstr("--observed, or --plan"));
+    const Outcome instrument = diagnose(folder / "out", {"--plan", "--instruments", "stops,smell"});
+    EXPECT_EQ(instrument.code, 3);
+    EXPECT_THAT(instrument.err, HasSubstr("knows no \"smell\""));
+    fs::create_directories(folder / "out.journal");
+    put(folder / "out.journal" / "x.table", "");
+    const Outcome left = diagnose(folder / "out", {"--plan", "--set", "release.count=2"});
+    EXPECT_EQ(left.code, 3);
+    EXPECT_THAT(left.err, HasSubstr("--resume"));
+}
+
+}  // namespace
+}  // namespace scree::test
