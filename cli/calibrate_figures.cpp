@@ -13,34 +13,12 @@ namespace {
 
 using gis::Svg;
 using gis::SvgPanel;
-using gis::SvgPen;
 using gis::SvgText;
 
 constexpr const char* kBeforeColour = "#777777";
 constexpr std::array<const char*, 5> kStageColours{"#999999", "#56b4e9", "#cc79a7", "#009e73", "#d55e00"};
 constexpr std::size_t kMostDots = 400;  // plausible points in a panel [-]
 constexpr std::size_t kMostPairs = 6;   // parameters in the picture of pairs [-]
-
-SvgPen fill(const char* colour, double opacity = 1.0) {
-    SvgPen pen;
-    pen.fill = colour;
-    pen.opacity = opacity;
-    return pen;
-}
-SvgPen stroke(const char* colour, double width, const char* dashes = "") {
-    SvgPen pen;
-    pen.stroke = colour;
-    pen.width = width;
-    pen.dashes = dashes;
-    return pen;
-}
-SvgText words(double size, const char* anchor, bool bold = false) {
-    SvgText text;
-    text.size = size;
-    text.anchor = anchor;
-    text.bold = bold;
-    return text;
-}
 
 /// Position in a range that may be searched by ratios.
 double unit(const CalibrationParameter& p, double value) {

@@ -14,32 +14,10 @@ namespace {
 
 using gis::Svg;
 using gis::SvgPanel;
-using gis::SvgPen;
 using gis::SvgText;
 
 constexpr double kPanelWidth = 330.0, kPanelHeight = 250.0;                 // [pixel]
 constexpr double kLeft = 72.0, kRight = 22.0, kTop = 56.0, kBottom = 52.0;  // room around a panel [pixel]
-
-SvgPen stroke(const char* colour, double width, const char* dashes = "") {
-    SvgPen pen;
-    pen.stroke = colour;
-    pen.width = width;
-    pen.dashes = dashes;
-    return pen;
-}
-SvgPen fill(const char* colour, double opacity = 1.0) {
-    SvgPen pen;
-    pen.fill = colour;
-    pen.opacity = opacity;
-    return pen;
-}
-SvgText words(double size, const char* anchor, bool bold = false) {
-    SvgText text;
-    text.size = size;
-    text.anchor = anchor;
-    text.bold = bold;
-    return text;
-}
 
 std::string capital(std::string text) {
     if (!text.empty() && text[0] >= 'a' && text[0] <= 'z') text[0] = static_cast<char>(text[0] - 'a' + 'A');
@@ -317,8 +295,7 @@ Figure pit_figure(const CompareStudy& study, const ObservedSite& observed) {
                 fill(kChanceColour, 0.55));
         for (std::size_t b = 0; b < kBins; ++b) {
             const double left = static_cast<double>(b) / kBins, right = static_cast<double>(b + 1) / kBins;
-            SvgPen pen = fill(kMeasuredColour, 0.75);
-            svg.box({panel.at({left + 0.008, count[b]}), panel.at({right - 0.008, 0.0})}, pen);
+            svg.box({panel.at({left + 0.008, count[b]}), panel.at({right - 0.008, 0.0})}, fill(kMeasuredColour, 0.75));
         }
         draw_x_axis(svg, panel, "PIT [-]", 5, false);
         draw_y_axis(svg, panel, "Blocks", 4, false);

@@ -30,17 +30,8 @@ struct DensityClass {
 constexpr std::array<DensityClass, 5> kClasses{
     {{0.0, "#fff1c9"}, {0.0005, "#fed58a"}, {0.002, "#fba04f"}, {0.005, "#ea6428"}, {0.01, "#b0300c"}}};
 
-SvgPen stroke(const char* colour, double width, const char* dashes = "") {
-    SvgPen pen;
-    pen.stroke = colour;
-    pen.width = width;
-    pen.dashes = dashes;
-    return pen;
-}
 SvgText label(double size, const char* anchor) {
-    SvgText text;
-    text.size = size;
-    text.anchor = anchor;
+    SvgText text = words(size, anchor);
     text.halo = true;
     return text;
 }
@@ -87,10 +78,8 @@ double draw_density(Svg& svg, const SvgPanel& panel, const std::vector<Vec2>& st
         for (const DensityClass& c : kClasses)
             if (share >= c.share) colour = c.colour;
         const Vec2 corner = panel.data.min + cell * Vec2(at.first, at.second);
-        SvgPen pen;
-        pen.fill = colour;
-        pen.opacity = 0.8;
-        svg.box({panel.at({corner.x(), corner.y() + cell}), panel.at({corner.x() + cell, corner.y()})}, pen);
+        svg.box({panel.at({corner.x(), corner.y() + cell}), panel.at({corner.x() + cell, corner.y()})},
+                fill(colour, 0.8));
     }
     return cell;
 }
@@ -171,16 +160,13 @@ void draw_scale(Svg& svg, const SvgPanel& panel) {
 }
 
 void draw_class_legend(Svg& svg, Vec2 at, double cell) {
-    SvgText plain = label(11.5, "start");
-    plain.halo = false;
+    const SvgText plain = words(11.5, "start");
     const std::string head =
         "simulated stops per cell of " + gis::axis_number(cell, cell < 1.0 ? 0.1 : 1.0) + " m, share of the blocks:";
     svg.text(at, head, plain);
     at.x() += text_width(head, 11.5) + 12.0;
     for (const DensityClass& c : kClasses) {
-        SvgPen pen;
-        pen.fill = c.colour;
-        svg.box({at + Vec2(0.0, -10.0), at + Vec2(16.0, 1.0)}, pen);
+        svg.box({at + Vec2(0.0, -10.0), at + Vec2(16.0, 1.0)}, fill(c.colour));
         const std::string from = c.share == 0.0 ? "> 0" : gis::axis_number(100.0 * c.share, 0.01) + " %";
         svg.text(at + Vec2(20.0, 0.0), from, plain);
         at.x() += 30.0 + text_width(from, 11.5);
@@ -219,10 +205,7 @@ Figure compare_map(const CompareStudy& study, const SiteModel& model, const Obse
     axes.most_x = 7;
     axes.most_y = 7;
     draw_axes(svg, panel, axes);
-    SvgText head = label(13.5, "start");
-    head.bold = true;
-    head.halo = false;
-    svg.text({12.0, 20.0}, study.title, head);
+    svg.text({12.0, 20.0}, study.title, words(13.5, "start", true));
     Vec2 at(kLeft + 200.0, 20.0);
     at.x() = std::max(at.x(), 30.0 + text_width(study.title, 14.5));
     if (!observed.observations.stops.empty())

@@ -13,32 +13,9 @@ namespace {
 
 using gis::Svg;
 using gis::SvgPanel;
-using gis::SvgPen;
-using gis::SvgText;
 
 constexpr double kRow = 21.0, kBars = 420.0, kTop = 62.0, kBottom = 54.0;  // [pixel]
 constexpr std::size_t kMostRows = 28;
-
-SvgPen fill(const char* colour, double opacity = 1.0) {
-    SvgPen pen;
-    pen.fill = colour;
-    pen.opacity = opacity;
-    return pen;
-}
-SvgPen stroke(const char* colour, double width, const char* dashes = "") {
-    SvgPen pen;
-    pen.stroke = colour;
-    pen.width = width;
-    pen.dashes = dashes;
-    return pen;
-}
-SvgText words(double size, const char* anchor, bool bold = false) {
-    SvgText text;
-    text.size = size;
-    text.anchor = anchor;
-    text.bold = bold;
-    return text;
-}
 
 struct Bar {
     std::string name;

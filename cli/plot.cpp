@@ -14,14 +14,6 @@ constexpr double kTitleSize = 12.5;   // [pixel]
 const gis::SvgPen kGrid{.stroke = "#000000", .width = 0.5, .fill = "none", .opacity = 0.12, .dashes = ""};
 const gis::SvgPen kAxis{.stroke = "#444444", .width = 1.0, .fill = "none", .opacity = 1.0, .dashes = ""};
 
-gis::SvgText style(double size, const char* anchor, double turn = 0.0) {
-    gis::SvgText text;
-    text.size = size;
-    text.anchor = anchor;
-    text.turn = turn;
-    return text;
-}
-
 /// Calls `draw(value, text)` at every round number of an axis.
 template <class Draw>
 void each_tick(double low, double high, int most, Draw draw) {
@@ -32,15 +24,38 @@ void each_tick(double low, double high, int most, Draw draw) {
 
 }  // namespace
 
+gis::SvgPen fill(const std::string& colour, double opacity) {
+    gis::SvgPen pen;
+    pen.fill = colour;
+    pen.opacity = opacity;
+    return pen;
+}
+
+gis::SvgPen stroke(const std::string& colour, double width, const std::string& dashes) {
+    gis::SvgPen pen;
+    pen.stroke = colour;
+    pen.width = width;
+    pen.dashes = dashes;
+    return pen;
+}
+
+gis::SvgText words(double size, const char* anchor, bool bold) {
+    gis::SvgText text;
+    text.size = size;
+    text.anchor = anchor;
+    text.bold = bold;
+    return text;
+}
+
 void draw_x_axis(gis::Svg& svg, const gis::SvgPanel& panel, const std::string& title, int most, bool grid) {
     const Box2& p = panel.pixels;
     each_tick(panel.data.min.x(), panel.data.max.x(), most, [&](double value, const std::string& number) {
         const double x = panel.at({value, panel.data.min.y()}).x();
         if (grid) svg.segment({x, p.min.y()}, {x, p.max.y()}, kGrid);
         svg.segment({x, p.max.y()}, {x, p.max.y() + kTick}, kAxis);
-        svg.text({x, p.max.y() + kTick + 12.0}, number, style(kNumberSize, "middle"));
+        svg.text({x, p.max.y() + kTick + 12.0}, number, words(kNumberSize, "middle"));
     });
-    svg.text({0.5 * (p.min.x() + p.max.x()), p.max.y() + 35.0}, title, style(kTitleSize, "middle"));
+    svg.text({0.5 * (p.min.x() + p.max.x()), p.max.y() + 35.0}, title, words(kTitleSize, "middle"));
 }
 
 void draw_y_axis(gis::Svg& svg, const gis::SvgPanel& panel, const std::string& title, int most, bool grid) {
@@ -50,11 +65,12 @@ void draw_y_axis(gis::Svg& svg, const gis::SvgPanel& panel, const std::string& t
         const double y = panel.at({panel.data.min.x(), value}).y();
         if (grid) svg.segment({p.min.x(), y}, {p.max.x(), y}, kGrid);
         svg.segment({p.min.x() - kTick, y}, {p.min.x(), y}, kAxis);
-        svg.text({p.min.x() - kTick - 3.0, y + 4.0}, number, style(kNumberSize, "end"));
+        svg.text({p.min.x() - kTick - 3.0, y + 4.0}, number, words(kNumberSize, "end"));
         widest = std::max(widest, text_width(number, kNumberSize));
     });
-    svg.text({p.min.x() - kTick - widest - 14.0, 0.5 * (p.min.y() + p.max.y())}, title,
-             style(kTitleSize, "middle", -90.0));
+    gis::SvgText upright = words(kTitleSize, "middle");
+    upright.turn = -90.0;
+    svg.text({p.min.x() - kTick - widest - 14.0, 0.5 * (p.min.y() + p.max.y())}, title, upright);
 }
 
 void draw_frame(gis::Svg& svg, const gis::SvgPanel& panel) {
@@ -63,31 +79,22 @@ void draw_frame(gis::Svg& svg, const gis::SvgPanel& panel) {
 
 void draw_interval(gis::Svg& svg, const Vec2& low, const Vec2& high, const std::string& colour) {
     constexpr double kCap = 4.0;  // [pixel]
-    gis::SvgPen pen = kAxis;
-    pen.stroke = colour;
-    pen.width = 1.5;
+    const gis::SvgPen pen = stroke(colour, 1.5);
     const Vec2 cap = low.x() == high.x() ? Vec2(kCap, 0.0) : Vec2(0.0, kCap);
     svg.segment(low, high, pen);
     svg.segment(low - cap, low + cap, pen);
     svg.segment(high - cap, high + cap, pen);
 }
 
-double draw_legend(gis::Svg& svg, const Vec2& at, LegendMark mark, const std::string& colour,
-                   const std::string& words) {
+double draw_legend(gis::Svg& svg, const Vec2& at, LegendMark mark, const std::string& colour, const std::string& text) {
     constexpr double kMark = 20.0;  // [pixel]
-    gis::SvgPen stroke = kAxis, fill;
-    stroke.stroke = fill.fill = colour;
-    stroke.width = 2.0;
     const Box2 box{at - Vec2(0.0, 9.0), at + Vec2(kMark, 1.0)};
-    if (mark == LegendMark::Line) svg.segment(at - Vec2(0.0, 4.0), at + Vec2(kMark, -4.0), stroke);
-    if (mark == LegendMark::Band) {
-        fill.opacity = 0.25;
-        svg.box(box, fill);
-    }
-    if (mark == LegendMark::Box) svg.box(box, fill);
-    if (mark == LegendMark::Dot) svg.circle(at + Vec2(0.5 * kMark, -4.0), 4.5, fill);
-    svg.text(at + Vec2(kMark + 6.0, 0.0), words, style(kNumberSize, "start"));
-    return kMark + 6.0 + text_width(words, kNumberSize) + 18.0;
+    if (mark == LegendMark::Line) svg.segment(at - Vec2(0.0, 4.0), at + Vec2(kMark, -4.0), stroke(colour, 2.0));
+    if (mark == LegendMark::Band) svg.box(box, fill(colour, 0.25));
+    if (mark == LegendMark::Box) svg.box(box, fill(colour));
+    if (mark == LegendMark::Dot) svg.circle(at + Vec2(0.5 * kMark, -4.0), 4.5, fill(colour));
+    svg.text(at + Vec2(kMark + 6.0, 0.0), text, words(kNumberSize, "start"));
+    return kMark + 6.0 + text_width(text, kNumberSize) + 18.0;
 }
 
 double text_width(const std::string& text, double size) {

@@ -14,6 +14,11 @@ inline constexpr const char* kSimulatedColour = "#d55e00";
 inline constexpr const char* kChanceColour = "#b9b9b9";
 inline constexpr const char* kTextColour = "#222222";
 
+/// Pens and letters of the reports' pictures.
+gis::SvgPen fill(const std::string& colour, double opacity = 1.0);
+gis::SvgPen stroke(const std::string& colour, double width, const std::string& dashes = "");
+gis::SvgText words(double size, const char* anchor, bool bold = false);
+
 /// Ticks, numbers and a title on one side of a panel; lines across it if `grid`.
 void draw_x_axis(gis::Svg& svg, const gis::SvgPanel& panel, const std::string& title, int most = 8, bool grid = true);
 void draw_y_axis(gis::Svg& svg, const gis::SvgPanel& panel, const std::string& title, int most = 8, bool grid = true);
@@ -22,9 +27,9 @@ void draw_frame(gis::Svg& svg, const gis::SvgPanel& panel);
 /// A point with its interval, upright or level.
 void draw_interval(gis::Svg& svg, const Vec2& low, const Vec2& high, const std::string& colour);
 
-/// One line of a legend: a mark and words. Returns the width it took [pixel].
+/// One line of a legend: a mark and a text. Returns the width it took [pixel].
 enum class LegendMark { Line, Band, Box, Dot };
-double draw_legend(gis::Svg& svg, const Vec2& at, LegendMark mark, const std::string& colour, const std::string& words);
+double draw_legend(gis::Svg& svg, const Vec2& at, LegendMark mark, const std::string& colour, const std::string& text);
 
 /// Width of a text as most fonts set it [pixel].
 double text_width(const std::string& text, double size);

@@ -21,8 +21,6 @@ namespace {
 using Json = nlohmann::ordered_json;
 using gis::Svg;
 using gis::SvgPanel;
-using gis::SvgPen;
-using gis::SvgText;
 
 std::string padded(std::string text, std::size_t width) {
     text.resize(std::max(width, text.size()), ' ');
@@ -46,27 +44,6 @@ std::vector<const SweepValue*> rows_of(const SweepStudy& study) {
 std::string spread_text(const SetSpread& s) {
     if (!std::isfinite(s.mean)) return "-";
     return short_number(s.mean) + " +- " + short_number(std::isfinite(s.deviation) ? s.deviation : 0.0);
-}
-
-SvgPen fill(const char* colour, double opacity = 1.0) {
-    SvgPen pen;
-    pen.fill = colour;
-    pen.opacity = opacity;
-    return pen;
-}
-SvgPen stroke(const char* colour, double width, const char* dashes = "") {
-    SvgPen pen;
-    pen.stroke = colour;
-    pen.width = width;
-    pen.dashes = dashes;
-    return pen;
-}
-SvgText words(double size, const char* anchor, bool bold = false) {
-    SvgText text;
-    text.size = size;
-    text.anchor = anchor;
-    text.bold = bold;
-    return text;
 }
 
 /// What a panel shows of a value: how far it is from the site as it is, or a measure.
