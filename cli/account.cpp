@@ -3,9 +3,9 @@
 
 #include "cli/commands.hpp"
 #include "cli/settings.hpp"
+#include "cli/text.hpp"
 #include "gis/sha256.hpp"
 
-#include <iomanip>
 #include <sstream>
 
 namespace scree::cli {
@@ -28,16 +28,6 @@ std::string without_folders(std::string warning, const SiteFile& site, const std
 }
 
 }  // namespace
-
-std::string short_number(double value) {
-    std::ostringstream s;
-    s << std::setprecision(3) << value;
-    return s.str();
-}
-
-std::string percent(std::int64_t part, std::int64_t whole) {
-    return short_number(whole > 0 ? 100.0 * static_cast<double>(part) / static_cast<double>(whole) : 0.0) + " %";
-}
 
 std::vector<gis::ProvenanceEntry> provenance(const SiteFile& site, const SiteModel& model,
                                              const CampaignResult& result) {

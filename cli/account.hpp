@@ -11,11 +11,6 @@
 
 namespace scree::cli {
 
-/// Three significant digits.
-std::string short_number(double value);
-/// "12.5 %".
-std::string percent(std::int64_t part, std::int64_t whole);
-
 /// Everything that says how a result came about, without paths of a machine or times: two runs of one site give the same bytes.
 std::vector<gis::ProvenanceEntry> provenance(const SiteFile& site, const SiteModel& model,
                                              const CampaignResult& result);

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "cli/account.hpp"
 #include "cli/calibrate_report.hpp"
 #include "cli/plot.hpp"
+#include "cli/text.hpp"
 
 #include <algorithm>
 #include <array>

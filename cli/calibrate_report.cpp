@@ -1,18 +1,17 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "cli/calibrate_report.hpp"
 
-#include "cli/account.hpp"
 #include "cli/commands.hpp"
 #include "cli/compare_report.hpp"
 #include "cli/html.hpp"
 #include "cli/settings.hpp"
+#include "cli/text.hpp"
 #include "gis/svg.hpp"
 
 #include <nlohmann/json.hpp>
 
 #include <algorithm>
 #include <cmath>
-#include <iomanip>
 #include <ostream>
 #include <sstream>
 
@@ -24,11 +23,6 @@ using Json = nlohmann::ordered_json;
 namespace fs = std::filesystem;
 
 constexpr double kWorthTelling = 0.7;  // correlations and shares of a direction from here on [-]
-
-std::string padded(std::string text, std::size_t width) {
-    text.resize(std::max(width, text.size()), ' ');
-    return text;
-}
 
 struct Row {
     std::string key, before, after, interval, range, verdict;
@@ -64,8 +58,8 @@ std::vector<Row> rows_of(const CalibrationReport& r) {
     return rows;
 }
 
-std::string chance_text(const Gap& gap) {
-    return gap_number(gap.gap) + " (chance " + gap_number(gap.chance.low) + " to " + gap_number(gap.chance.high) + ")";
+std::string gap_text(const Gap& gap) {
+    return gap_number(gap.gap) + " (chance " + chance_text(gap) + ")";
 }
 
 std::string list_of(const std::vector<std::string>& names) {
@@ -74,17 +68,11 @@ std::string list_of(const std::vector<std::string>& names) {
     return text;
 }
 
-Json interval_json(const Interval& i) {
-    return Json::array({i.low, i.high});
-}
 Json fit_json(const CalibrationFit& fit) {
     return {{"loss", fit.loss}, {"floor", fit.floor}, {"gap", fit.gap()}};
 }
 Json gap_json(const Gap& gap) {
-    return {{"gap", gap.gap},
-            {"gap_95", interval_json(gap.interval)},
-            {"chance_95", interval_json(gap.chance)},
-            {"p", gap.p}};
+    return {{"gap", gap.gap}, {"gap_95", ends_of(gap.interval)}, {"chance_95", ends_of(gap.chance)}, {"p", gap.p}};
 }
 
 Json point_json(const CalibrationReport& r, const CalibrationPoint& point) {
@@ -180,8 +168,8 @@ void print_calibration(std::ostream& out, const CalibrationReport& r) {
         out << padded(row.key, key) << "  " << padded(row.before, value) << "  " << padded(row.after, value) << "  "
             << padded(row.interval, interval) << "  " << padded(row.range, range) << "  " << row.verdict << "\n";
     out << "\n"
-        << "gap, all observables       " << chance_text(r.before_study.overall) << " before, "
-        << chance_text(r.after_study.overall) << " calibrated\n"
+        << "gap, all observables       " << gap_text(r.before_study.overall) << " before, "
+        << gap_text(r.after_study.overall) << " calibrated\n"
         << "gap of what was minimised  " << gap_number(r.result.start_fit.gap()) << " before, "
         << gap_number(r.result.best_fit.gap()) << " calibrated";
     if (!r.result.folds.empty())
@@ -208,8 +196,8 @@ std::string calibrated_toml(const CalibrationReport& r, const fs::path& to) {
         text << "# " << padded(row.key, 40) << padded(row.before, 12) << padded(row.after, 12)
              << padded(row.interval, 22) << row.range << "; " << row.verdict << "\n";
     text << "#\n# Measured blocks: " << r.blocks << "; minimised: " << list_of(r.observables) << "; "
-         << r.journal.size() << " simulations.\n# Gap over all observables: " << chance_text(r.before_study.overall)
-         << " before, " << chance_text(r.after_study.overall)
+         << r.journal.size() << " simulations.\n# Gap over all observables: " << gap_text(r.before_study.overall)
+         << " before, " << gap_text(r.after_study.overall)
          << " calibrated.\n# Gap of what was minimised: " << gap_number(r.result.start_fit.gap()) << " before, "
          << gap_number(r.result.best_fit.gap()) << " calibrated";
     if (!r.result.folds.empty()) text << ", " << gap_number(r.result.held_out.gap()) << " held out";
@@ -248,7 +236,7 @@ std::string calibrate_json(const CalibrationReport& r) {
                                       {"unit", r.keys.units[i]},
                                       {"before", result.start.values[i]},
                                       {"value", e.value},
-                                      {"interval_95", interval_json(e.interval)},
+                                      {"interval_95", ends_of(e.interval)},
                                       {"range", Json::array({p.low, p.high})},
                                       {"logarithmic", p.logarithmic},
                                       {"identified", kIdentificationNames[static_cast<std::size_t>(e.identified)]},
@@ -269,7 +257,7 @@ std::string calibrate_json(const CalibrationReport& r) {
         json["searches"].push_back({{"begin", point_json(r, s.begin)},
                                     {"end", point_json(r, s.end)},
                                     {"fit", fit_json(s.fit)},
-                                    {"behind_best_95", interval_json(s.behind)},
+                                    {"behind_best_95", ends_of(s.behind)},
                                     {"same_minimum", s.same_minimum}});
     if (!result.parameters.empty())
         json["surroundings"] = {{"points", result.surroundings.points},
@@ -300,35 +288,19 @@ std::string calibrate_json(const CalibrationReport& r) {
 
 namespace {
 
-std::string table_of(const std::vector<std::string>& head, const std::vector<std::vector<std::string>>& rows) {
-    std::ostringstream html;
-    html << "<table><tr>";
-    for (const std::string& h : head) html << "<th>" << escaped(h) << "</th>";
-    html << "</tr>\n";
-    for (const auto& row : rows) {
-        html << "<tr>";
-        for (const std::string& cell : row) html << "<td>" << escaped(cell) << "</td>";
-        html << "</tr>\n";
-    }
-    html << "</table>\n";
-    return html.str();
-}
-
 std::string gaps_table(const CalibrationReport& r) {
     std::vector<std::vector<std::string>> rows;
     for (std::size_t k = 0; k < r.after_study.observables.size(); ++k) {
         const ComparedObservable &b = r.before_study.observables[k], &a = r.after_study.observables[k];
         rows.push_back({a.gap.observable.name, gap_number(b.gap.pooled.gap), gap_number(a.gap.pooled.gap),
-                        gap_number(a.gap.pooled.chance.low) + " to " + gap_number(a.gap.pooled.chance.high),
-                        b.gap.score ? gap_number(b.gap.score->gap) : "",
+                        chance_text(a.gap.pooled), b.gap.score ? gap_number(b.gap.score->gap) : "",
                         a.gap.score ? gap_number(a.gap.score->gap) : ""});
     }
     const CompareStudy &b = r.before_study, &a = r.after_study;
-    rows.push_back({"all", gap_number(b.overall.gap), gap_number(a.overall.gap),
-                    gap_number(a.overall.chance.low) + " to " + gap_number(a.overall.chance.high),
+    rows.push_back({"all", gap_number(b.overall.gap), gap_number(a.overall.gap), chance_text(a.overall),
                     b.overall_score ? gap_number(b.overall_score->gap) : "",
                     a.overall_score ? gap_number(a.overall_score->gap) : ""});
-    return table_of({"observable", "gap before", "calibrated", "chance", "per block before", "calibrated"}, rows);
+    return html_table({"observable", "gap before", "calibrated", "chance", "per block before", "calibrated"}, rows);
 }
 
 constexpr const char* kHow =
@@ -351,7 +323,7 @@ std::string calibrate_html(const CalibrationReport& r, const std::vector<Figure>
     std::vector<std::vector<std::string>> rows;
     for (const Row& row : rows_of(r))
         rows.push_back({row.key, row.before, row.after, row.interval, row.range, row.verdict});
-    html << table_of({"key", "before", "calibrated", "95 %", "range", ""}, rows);
+    html << html_table({"key", "before", "calibrated", "95 %", "range", ""}, rows);
     rows = {{"all blocks", gap_number(r.result.start_fit.gap()), gap_number(r.result.best_fit.gap())}};
     for (std::size_t f = 0; f < r.result.folds.size(); ++f)
         rows.push_back({"fold " + std::to_string(f + 1) + ", " + std::to_string(r.result.folds[f].held_out.size()) +
@@ -359,13 +331,11 @@ std::string calibrate_html(const CalibrationReport& r, const std::vector<Figure>
                         gap_number(r.result.folds[f].start_test.gap()), gap_number(r.result.folds[f].test.gap())});
     if (!r.result.folds.empty())
         rows.push_back({"all folds", gap_number(r.result.held_out_start.gap()), gap_number(r.result.held_out.gap())});
-    html << table_of({"gap of what was minimised", "before", "calibrated"}, rows) << kHow;
+    html << html_table({"gap of what was minimised", "before", "calibrated"}, rows) << kHow;
     for (const Figure& f : figures) html << "<h2>" << escaped(f.title) << "</h2>\n" << html_figure(f);
     html << "<h2>Measured and simulated, calibrated</h2>\n" << gaps_table(r);
     for (const Figure& f : compared) html << html_figure(f);
-    html << "<h2>Inputs</h2>\n<ul>\n";
-    for (const std::string& input : r.inputs) html << "<li>" << escaped(input) << "</li>\n";
-    html << "</ul>\n";
+    html << "<h2>Inputs</h2>\n" << html_list(r.inputs);
     return html_page(r.before.settings.name + ": calibration", html.str());
 }
 

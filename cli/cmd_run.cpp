@@ -6,6 +6,7 @@
 #include "cli/plane_pictures.hpp"
 #include "cli/progress.hpp"
 #include "cli/site_model.hpp"
+#include "cli/text.hpp"
 #include "gis/results_writer.hpp"
 #include "scree/dynamics/contact_problem_file.hpp"
 

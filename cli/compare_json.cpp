@@ -17,8 +17,8 @@ Json pair(double low, double high) {
 Json gap_json(const Gap& gap, double factor) {
     Json json;
     json["gap"] = gap.gap;
-    json["gap_95"] = pair(gap.interval.low, gap.interval.high);
-    json["chance_95"] = pair(gap.chance.low, gap.chance.high);
+    json["gap_95"] = ends_of(gap.interval);
+    json["chance_95"] = ends_of(gap.chance);
     json["p"] = gap.p;
     json["distance"] = factor * gap.distance;
     json["floor"] = factor * gap.floor;

@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "cli/compare_report.hpp"
 
-#include "cli/account.hpp"
 #include "cli/html.hpp"
-#include "gis/svg.hpp"
+#include "cli/text.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -13,28 +12,9 @@
 
 namespace scree::cli {
 
-std::string gap_number(double value) {
-    if (!std::isfinite(value)) return "-";
-    return gis::axis_number(value, value < 9.995 ? 0.01 : value < 99.95 ? 0.1 : 1.0);
-}
-
 namespace {
 
 constexpr std::size_t kNameWidth = 24, kSampleWidth = 23, kGapWidth = 22;
-
-std::string chance_text(const Gap& gap) {
-    return gap_number(gap.chance.low) + " to " + gap_number(gap.chance.high);
-}
-
-std::string p_text(double p) {
-    if (!std::isfinite(p)) return "-";
-    return p < 0.0015 ? "0.001" : gis::axis_number(p, p < 0.0995 ? 0.001 : 0.01);
-}
-
-std::string padded(std::string text, std::size_t width) {
-    text.resize(std::max(width, text.size()), ' ');
-    return text;
-}
 
 /// Median and spread of a sample: "40.7 (35.1 to 62.7)".
 std::string sample_text(const SampleSummary& s) {
@@ -237,9 +217,8 @@ std::string compare_html(const CompareStudy& study, const ObservedSite& observed
          << observables_table(study, observed.observations.matched) << kDefinitions << distances_table(study)
          << shares_table(study.zones, "at rest in deposit zone", false)
          << shares_table(study.beyond_screens, "stopped beyond screen, at distance along", true)
-         << shares_table(study.beyond, "stopped beyond distance along", true) << "<h2>Measurements</h2>\n<ul>\n";
-    for (const std::string& source : observed.sources) html << "<li>" << escaped(source) << "</li>\n";
-    html << "</ul>\n" << findings_list(observed);
+         << shares_table(study.beyond, "stopped beyond distance along", true) << "<h2>Measurements</h2>\n"
+         << html_list(observed.sources) << findings_list(observed);
     return html_page(study.title + ": measured and simulated", html.str());
 }
 

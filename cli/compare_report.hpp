@@ -3,6 +3,7 @@
 
 #include "cli/compare_figures.hpp"
 
+#include <array>
 #include <iosfwd>
 #include <string>
 #include <vector>
@@ -21,8 +22,10 @@ std::string compare_html(const CompareStudy& study, const ObservedSite& observed
 void print_comparison(std::ostream& out, const CompareStudy& study, const ObservedSite& observed,
                       const CampaignResult& campaign);
 
-/// A gap with as many digits as mean something.
-std::string gap_number(double value);
+/// [low, high], as all reports for machines have it.
+inline std::array<double, 2> ends_of(const Interval& interval) {
+    return {interval.low, interval.high};
+}
 
 /// What the gaps say, in one sentence.
 std::string verdict(const CompareStudy& study);

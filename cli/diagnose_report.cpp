@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "cli/diagnose_report.hpp"
 
-#include "cli/account.hpp"
 #include "cli/commands.hpp"
 #include "cli/compare_report.hpp"
 #include "cli/html.hpp"
 #include "cli/settings.hpp"
+#include "cli/text.hpp"
 
 #include <nlohmann/json.hpp>
 
@@ -25,16 +25,6 @@ namespace fs = std::filesystem;
 constexpr std::size_t kMostSentences = 8;
 constexpr double kSameLooks = 0.9;  // cosine of effects that look alike [-]
 constexpr double kInRange = 0.03;   // estimates nearer to an end of their range lie on its edge [-]
-
-std::string padded(std::string text, std::size_t width) {
-    text.resize(std::max(width, text.size()), ' ');
-    return text;
-}
-
-std::string p_text(double p) {
-    if (!std::isfinite(p)) return "-";
-    return p < 0.0015 ? "0.001" : short_number(p);
-}
 
 const char* unit_of(const DiagnosisVariant& v) {
     for (const EffectParameter& p : effect_info(v.kind).parameters)
@@ -276,10 +266,6 @@ void print_diagnosis(std::ostream& out, const DiagnoseStudy& study) {
 
 namespace {
 
-Json interval_json(const Interval& i) {
-    return Json::array({i.low, i.high});
-}
-
 Json finding_json(const DiagnoseStudy& study, const EffectFinding& f) {
     const DiagnosisVariant& v = study.variant_of(f);
     Json json{{"effect", study.candidate_of(f).name},
@@ -317,7 +303,7 @@ Json answer_json(const DiagnoseStudy& study, const AnswerFit& a) {
               {"parameter", a.variant->parameter},
               {"unit", unit_of(*a.variant)},
               {"value", a.variant->value(a.model.strength)},
-              {"interval_95", interval_json({std::min(low, high), std::max(low, high)})},
+              {"interval_95", ends_of({std::min(low, high), std::max(low, high)})},
               {"weight", a.finding.weight},
               {"gap_fitted", a.model.result.best_fit.gap()},
               {"gap_over_all", a.study.overall.gap}};
@@ -422,39 +408,18 @@ std::string extended_toml(const DiagnoseStudy& study, const fs::path& to) {
 
 namespace {
 
-std::string table_of(const std::vector<std::string>& head, const std::vector<std::vector<std::string>>& rows) {
-    std::ostringstream html;
-    html << "<table><tr>";
-    for (const std::string& h : head) html << "<th>" << escaped(h) << "</th>";
-    html << "</tr>\n";
-    for (const auto& row : rows) {
-        html << "<tr>";
-        for (const std::string& cell : row) html << "<td>" << escaped(cell) << "</td>";
-        html << "</tr>\n";
-    }
-    html << "</table>\n";
-    return html.str();
-}
-
-std::string list_html(const std::vector<std::string>& items) {
-    std::string html = "<ul>\n";
-    for (const std::string& item : items) html += "<li>" + escaped(item) + "</li>\n";
-    return html + "</ul>\n";
-}
-
 std::string gaps_html(const DiagnoseStudy& study, const AnswerFit& a) {
     std::vector<std::vector<std::string>> rows;
     for (std::size_t k = 0; k < study.before.observables.size() && k < a.study.observables.size(); ++k) {
         const ComparedObservable &b = study.before.observables[k], &w = a.study.observables[k];
         rows.push_back({b.gap.observable.name, gap_number(b.gap.pooled.gap), gap_number(w.gap.pooled.gap),
-                        gap_number(b.gap.pooled.chance.low) + " to " + gap_number(b.gap.pooled.chance.high)});
+                        chance_text(b.gap.pooled)});
     }
-    rows.push_back(
-        {"all", gap_number(study.before.overall.gap), gap_number(a.study.overall.gap),
-         gap_number(study.before.overall.chance.low) + " to " + gap_number(study.before.overall.chance.high)});
+    rows.push_back({"all", gap_number(study.before.overall.gap), gap_number(a.study.overall.gap),
+                    chance_text(study.before.overall)});
     if (!study.baseline.result.folds.empty())
         rows.push_back({"held out, what was fitted", held_out_text(study.baseline), held_out_text(a.model), ""});
-    return table_of({"gap", "calibrated", "with " + a.candidate->name, "chance"}, rows);
+    return html_table({"gap", "calibrated", "with " + a.candidate->name, "chance"}, rows);
 }
 
 /// 95 % values of what a barrier is designed for.
@@ -467,7 +432,7 @@ std::string consequences_html(const DiagnoseStudy& study, const AnswerFit& a) {
                         short_number(w.simulated_summary.quantiles.back()),
                         b.measured_summary.quantiles.empty() ? "" : short_number(b.measured_summary.quantiles.back())});
     }
-    return table_of({"95 % value", "calibrated", "with " + a.candidate->name, "measured"}, rows);
+    return html_table({"95 % value", "calibrated", "with " + a.candidate->name, "measured"}, rows);
 }
 
 std::string effects_html(const DiagnoseStudy& study) {
@@ -477,9 +442,9 @@ std::string effects_html(const DiagnoseStudy& study) {
                         study.planning ? "" : short_number(f.z), short_number(f.visibility), smallest_seen(study, f),
                         f.finalist ? short_number(f.weight) : "", f.finalist ? p_text(f.p) : "",
                         look_alikes(study, f)});
-    return table_of({"effect", "form and place", "z", "z to expect at its reference", "seen in 4 of 5 tests from",
-                     "weight", "p of what it leaves", "looks like"},
-                    rows);
+    return html_table({"effect", "form and place", "z", "z to expect at its reference", "seen in 4 of 5 tests from",
+                       "weight", "p of what it leaves", "looks like"},
+                      rows);
 }
 
 constexpr const char* kHow =
@@ -498,12 +463,12 @@ std::string diagnose_html(const DiagnoseStudy& study, const std::vector<Figure>&
          << " blocks simulated beside the calibrations.</p>\n";
     std::vector<std::string> audit;
     for (const Finding& f : study.audit) audit.push_back(f.sentence);
-    if (!audit.empty()) html << "<h2>What the measurements themselves say</h2>\n" << list_html(audit);
+    if (!audit.empty()) html << "<h2>What the measurements themselves say</h2>\n" << html_list(audit);
     const std::vector<std::string> remarks = diagnose_remarks(study), where = where_sentences(study);
-    if (!remarks.empty()) html << list_html(remarks);
+    if (!remarks.empty()) html << html_list(remarks);
     if (!where.empty())
         html << "<h2>Where the calibrated model fails</h2>\n<p>Beyond chance at 5 %, for all looks together.</p>\n"
-             << list_html(where);
+             << html_list(where);
     for (const Figure& f : figures) html << "<h2>" << escaped(f.title) << "</h2>\n" << html_figure(f);
     for (const AnswerFit& a : study.answers) {
         html << "<h2>With " << escaped(variant_name(*a.variant)) << "</h2>\n<p>"
@@ -520,8 +485,8 @@ std::string diagnose_html(const DiagnoseStudy& study, const std::vector<Figure>&
         html << "<h2>Measured and simulated, with " << escaped(study.answers.front().candidate->name) << "</h2>\n";
     for (const Figure& f : after) html << html_figure(f);
     html << "<h2>Not searched</h2>\n"
-         << list_html(study.catalogue.left_out) << "<h2>Inputs</h2>\n"
-         << list_html(study.inputs);
+         << html_list(study.catalogue.left_out) << "<h2>Inputs</h2>\n"
+         << html_list(study.inputs);
     return html_page(study.site.settings.name + (study.planning ? ": plan of a test" : ": diagnosis"), html.str());
 }
 

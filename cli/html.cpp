@@ -4,6 +4,8 @@
 #include "cli/commands.hpp"
 #include "gis/xml.hpp"
 
+#include <sstream>
+
 namespace scree::cli {
 
 namespace {
@@ -28,6 +30,26 @@ std::string escaped(const std::string& text) {
 std::string html_figure(const Figure& figure) {
     return "<figure>" + figure.svg.substr(figure.svg.find("<svg")) +
            (figure.caption.empty() ? "" : "<figcaption>" + escaped(figure.caption) + "</figcaption>") + "</figure>\n";
+}
+
+std::string html_table(const std::vector<std::string>& head, const std::vector<std::vector<std::string>>& rows) {
+    std::ostringstream html;
+    html << "<table><tr>";
+    for (const std::string& h : head) html << "<th>" << escaped(h) << "</th>";
+    html << "</tr>\n";
+    for (const auto& row : rows) {
+        html << "<tr>";
+        for (const std::string& cell : row) html << "<td>" << escaped(cell) << "</td>";
+        html << "</tr>\n";
+    }
+    html << "</table>\n";
+    return html.str();
+}
+
+std::string html_list(const std::vector<std::string>& items) {
+    std::string html = "<ul>\n";
+    for (const std::string& item : items) html += "<li>" + escaped(item) + "</li>\n";
+    return html + "</ul>\n";
 }
 
 std::string html_page(const std::string& title, const std::string& body) {

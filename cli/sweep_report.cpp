@@ -1,16 +1,14 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "cli/sweep_report.hpp"
 
-#include "cli/account.hpp"
-#include "cli/compare_report.hpp"
 #include "cli/html.hpp"
 #include "cli/plot.hpp"
+#include "cli/text.hpp"
 
 #include <nlohmann/json.hpp>
 
 #include <algorithm>
 #include <cmath>
-#include <iomanip>
 #include <ostream>
 #include <sstream>
 
@@ -21,11 +19,6 @@ namespace {
 using Json = nlohmann::ordered_json;
 using gis::Svg;
 using gis::SvgPanel;
-
-std::string padded(std::string text, std::size_t width) {
-    text.resize(std::max(width, text.size()), ' ');
-    return text;
-}
 
 std::string label_of(const SweepValue& v) {
     return v.key.empty() ? "the site as it is" : v.key + " = " + v.value;

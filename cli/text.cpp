@@ -1,0 +1,42 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "cli/text.hpp"
+
+#include "gis/svg.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <iomanip>
+#include <sstream>
+
+namespace scree::cli {
+
+std::string short_number(double value) {
+    std::ostringstream s;
+    s << std::setprecision(3) << value;
+    return s.str();
+}
+
+std::string percent(std::int64_t part, std::int64_t whole) {
+    return short_number(whole > 0 ? 100.0 * static_cast<double>(part) / static_cast<double>(whole) : 0.0) + " %";
+}
+
+std::string gap_number(double value) {
+    if (!std::isfinite(value)) return "-";
+    return gis::axis_number(value, value < 9.995 ? 0.01 : value < 99.95 ? 0.1 : 1.0);
+}
+
+std::string chance_text(const Gap& gap) {
+    return gap_number(gap.chance.low) + " to " + gap_number(gap.chance.high);
+}
+
+std::string p_text(double p) {
+    if (!std::isfinite(p)) return "-";
+    return p < 0.0015 ? "0.001" : gis::axis_number(p, p < 0.0995 ? 0.001 : 0.01);
+}
+
+std::string padded(std::string text, std::size_t width) {
+    text.resize(std::max(width, text.size()), ' ');
+    return text;
+}
+
+}  // namespace scree::cli

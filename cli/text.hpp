@@ -1,0 +1,27 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include "scree/inference/discrepancy.hpp"
+
+#include <cstdint>
+#include <string>
+
+namespace scree::cli {
+
+/// Numbers and columns as all reports write them.
+
+/// Three significant digits.
+std::string short_number(double value);
+/// "12.5 %".
+std::string percent(std::int64_t part, std::int64_t whole);
+/// A gap with as many digits as mean something.
+std::string gap_number(double value);
+/// 95 % of what chance gives: "0.62 to 1.71".
+std::string chance_text(const Gap& gap);
+/// "0.001" also for what is smaller: draws of chance are too few to tell.
+std::string p_text(double p);
+
+/// A column of a table, filled up with spaces.
+std::string padded(std::string text, std::size_t width);
+
+}  // namespace scree::cli
