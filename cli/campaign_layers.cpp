@@ -28,6 +28,15 @@ Field text(std::string name, std::string alias) {
     return {std::move(name), FieldType::Text, std::move(alias)};
 }
 
+gis::VectorLayer empty_layer(const char* name, GeometryKind kind, const char* title, const char* description) {
+    gis::VectorLayer layer;
+    layer.title = title;
+    layer.description = description;
+    layer.data.name = name;
+    layer.data.kind = kind;
+    return layer;
+}
+
 FieldValue block_id(const SiteModel& model, const BlockResult& b) {
     if (b.row < 0) return std::monostate{};
     return model.campaign.population.list[static_cast<std::size_t>(b.row)].id;
@@ -52,11 +61,9 @@ void add_plane_values(const SiteModel& model, const BlockResult& b, std::vector<
 }
 
 gis::VectorLayer stopping_points(const SiteModel& model, const CampaignResult& result) {
-    gis::VectorLayer layer;
-    layer.title = "Stopping points";
-    layer.description = "End of every block thrown, with the reason; z is the height of its centre of mass";
-    layer.data.name = "stopping_points";
-    layer.data.kind = GeometryKind::Point;
+    gis::VectorLayer layer =
+        empty_layer("stopping_points", GeometryKind::Point, "Stopping points",
+                    "End of every block thrown, with the reason; z is the height of its centre of mass");
     layer.data.fields = {integer("block", "Block number"),
                          text("block_id", "Block of the list"),
                          text("stop_reason", "Why it ended"),
@@ -105,11 +112,8 @@ gis::VectorLayer stopping_points(const SiteModel& model, const CampaignResult& r
 }
 
 gis::VectorLayer release_points(const SiteModel& model, const CampaignResult& result) {
-    gis::VectorLayer layer;
-    layer.title = "Release points";
-    layer.description = "Centre of mass of every block at the start";
-    layer.data.name = "release_points";
-    layer.data.kind = GeometryKind::Point;
+    gis::VectorLayer layer = empty_layer("release_points", GeometryKind::Point, "Release points",
+                                         "Centre of mass of every block at the start");
     layer.data.fields = {integer("block", "Block number"), text("block_id", "Block of the list"),
                          real("mass_kg", "Mass [kg]"), real("raised_m", "Lifted to start free of the ground [m]"),
                          integer("release_feature", "Release feature")};
@@ -129,12 +133,10 @@ gis::VectorLayer release_points(const SiteModel& model, const CampaignResult& re
 }
 
 gis::VectorLayer trajectories(const SiteModel& model, const CampaignResult& result) {
-    gis::VectorLayer layer;
-    layer.title = "Trajectories";
-    layer.description = "Paths of the centre of mass of the first blocks; M is the time since release [s]";
+    gis::VectorLayer layer =
+        empty_layer("trajectories", GeometryKind::LineString, "Trajectories",
+                    "Paths of the centre of mass of the first blocks; M is the time since release [s]");
     layer.coordinates = Coordinates::XYZM;
-    layer.data.name = "trajectories";
-    layer.data.kind = GeometryKind::LineString;
     layer.data.fields = {integer("block", "Block number"),
                          text("block_id", "Block of the list"),
                          text("stop_reason", "Why it ended"),
@@ -159,11 +161,8 @@ gis::VectorLayer trajectories(const SiteModel& model, const CampaignResult& resu
 }
 
 gis::VectorLayer screen_crossings(const SiteModel& model, const CampaignResult& result) {
-    gis::VectorLayer layer;
-    layer.title = "Screen crossings";
-    layer.description = "First crossing of each screen by each block";
-    layer.data.name = "screen_crossings";
-    layer.data.kind = GeometryKind::Point;
+    gis::VectorLayer layer = empty_layer("screen_crossings", GeometryKind::Point, "Screen crossings",
+                                         "First crossing of each screen by each block");
     layer.data.fields = {text("screen", "Screen"),
                          integer("block", "Block number"),
                          text("block_id", "Block of the list"),
@@ -199,13 +198,10 @@ gis::VectorLayer screen_crossings(const SiteModel& model, const CampaignResult& 
 }
 
 gis::VectorLayer deposit_zones(const SiteModel& model, const CampaignResult& result) {
-    gis::VectorLayer layer;
-    layer.title = "Deposit zones";
-    layer.description =
-        "Blocks at rest in each zone, their share of all blocks thrown, and the 95 % interval of that share (Wilson)";
+    gis::VectorLayer layer = empty_layer(
+        "deposit_zones", GeometryKind::Polygon, "Deposit zones",
+        "Blocks at rest in each zone, their share of all blocks thrown, and the 95 % interval of that share (Wilson)");
     layer.coordinates = Coordinates::XY;
-    layer.data.name = "deposit_zones";
-    layer.data.kind = GeometryKind::Polygon;
     if (model.in_plane()) {
         layer.description =
             "Stretches of the profiles in each zone: blocks at rest in it, their share of all blocks thrown, and the "

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "cli/diagnose_candidates.hpp"
 
-#include "scree/base/assert.hpp"
-
 #include <algorithm>
 #include <cmath>
 #include <sstream>
@@ -61,13 +59,6 @@ constexpr Search kSearches[] = {
     {"height_datum", K::HeightDatum, "offset", 0.3, 6.0, Where::Everywhere, "too high"},
     {"height_datum", K::HeightDatum, "offset", -0.3, 6.0, Where::Everywhere, "too low"},
 };
-
-const EffectParameter& parameter_of(EffectKind kind, const std::string& key) {
-    for (const EffectParameter& p : effect_info(kind).parameters)
-        if (p.key == key) return p;
-    SCREE_ASSERT(false);
-    return effect_info(kind).parameters.front();
-}
 
 std::string joined(const std::string& a, const std::string& b) {
     return a.empty() || b.empty() ? a + b : a + ", " + b;
@@ -206,7 +197,7 @@ private:
 }  // namespace
 
 double DiagnosisVariant::value(double strength) const {
-    const EffectParameter& p = parameter_of(kind, parameter);
+    const EffectParameter& p = effect_parameter(kind, parameter);
     const double neutral = std::isnan(start) ? p.neutral : start;
     double v = 0.0;
     if (kind == EffectKind::BlockShape || kind == EffectKind::SoilPatch || kind == EffectKind::LowFriction)

@@ -27,9 +27,7 @@ constexpr double kSameLooks = 0.9;  // cosine of effects that look alike [-]
 constexpr double kInRange = 0.03;   // estimates nearer to an end of their range lie on its edge [-]
 
 const char* unit_of(const DiagnosisVariant& v) {
-    for (const EffectParameter& p : effect_info(v.kind).parameters)
-        if (p.key == v.parameter) return p.unit;
-    return "-";
+    return effect_parameter(v.kind, v.parameter).unit;
 }
 
 std::string with_unit(double value, const std::string& unit) {

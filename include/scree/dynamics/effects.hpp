@@ -105,6 +105,8 @@ struct EffectInfo {
 /// All effects, in the order of EffectKind.
 std::span<const EffectInfo> effect_catalogue();
 const EffectInfo& effect_info(EffectKind kind);
+/// A number of the effect; an unknown key is a programmer's mistake.
+const EffectParameter& effect_parameter(EffectKind kind, std::string_view key);
 /// The kind with this name, none if there is no such effect.
 std::optional<EffectKind> effect_kind(std::string_view name);
 

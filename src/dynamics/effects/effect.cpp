@@ -85,6 +85,10 @@ double EffectPlace::first_line(const Eigen::Matrix<double, 1, 1>& from, const Ei
 
 // ---- effect ------------------------------------------------------------------------------------------------------------------------
 
+const EffectParameter& effect_parameter(EffectKind kind, std::string_view key) {
+    return effect_info(kind).parameters[parameter_index(kind, key)];
+}
+
 double Effect::value(std::string_view key) const {
     return values[parameter_index(kind, key)];
 }
