@@ -3,7 +3,7 @@
 
 #include "dynamics/hull_contacts.hpp"
 
-#include "scree/base/random.hpp"
+#include "support/fuzz_parts.hpp"
 #include "support/scenes.hpp"
 
 #include <algorithm>
@@ -16,16 +16,6 @@ namespace scree::test {
 namespace {
 
 constexpr int kNodes = 25;
-/// A block that is deeper in the ground than this share of its thickness has gone through it [-].
-constexpr double kTunnelShare = 0.5;
-/// Overlaps of less are never a fault, whatever the block's size [m].
-constexpr double kSmallOverlap = 2e-3;
-/// Rise of energy that a step may be left with, as height of fall [m].
-constexpr double kEnergyRise = 1.01e-6;
-
-double between_logs(RandomStream& random, double low, double high) {
-    return std::exp(random.uniform(std::log(low), std::log(high)));
-}
 
 enum class Land { Rough, Ridge, Gully, Cliffs, Noise, Holes };
 constexpr std::array<const char*, 6> kLandNames{"rough", "ridge", "gully", "cliffs", "noise", "holes"};
@@ -74,21 +64,6 @@ Vec3 any_direction(RandomStream& random) {
     return Vec3(random.normal(), random.normal(), random.normal()).normalized();
 }
 
-/// Watches the centre of mass.
-class DepthWatch final : public MotionSink<3> {
-public:
-    explicit DepthWatch(const Surface& surface) : surface_(surface) {}
-    void segment(const MotionSegment<3>& motion) override {
-        const double ground = surface_.height(motion.position.head<2>());
-        if (std::isfinite(ground)) deepest_ = std::max(deepest_, ground - motion.position.z());
-    }
-    double deepest() const { return deepest_; }
-
-private:
-    const Surface& surface_;
-    double deepest_ = 0.0;
-};
-
 }  // namespace
 
 FuzzScene fuzz_scene(std::uint64_t number) {
@@ -106,11 +81,7 @@ FuzzScene fuzz_scene(std::uint64_t number) {
     const double largest = between_logs(random, 0.01, std::min(10.0, 6.0 * cell));
     std::string shape;
     scene.block = block(random, largest, shape);
-    for (int k = 0; k < 2; ++k) {
-        static constexpr std::array<double, 3> restitution{0.0, 0.3, 0.6};
-        scene.soils.push_back({"soil", restitution[random.below(3)], random.uniform(0.2, 0.9),
-                               random.uniform(0.0, 0.1) * scene.block.inner_radius});
-    }
+    scene.soils = two_soils(random, scene.block.inner_radius);
     const double half = 0.25 * kNodes * cell;
     BlockState<3>& s = scene.release;
     s.position = {random.uniform(-half, half), random.uniform(-half, half), 0.0};
@@ -135,34 +106,9 @@ DynamicsSettings fuzz_settings() {
     return settings;
 }
 
-FuzzOutcome fuzz_block(const FuzzScene& scene, const DynamicsSettings& settings, std::span<const Effect> effects) {
-    FuzzOutcome outcome;
-    DepthWatch watch(*scene.surface);
-    outcome.end =
-        simulate_block(scene.block, scene.release, *scene.surface, scene.soils, settings, &watch, {effects, 77, 0});
-    const TrajectoryEnd<3>& end = outcome.end;
-    outcome.deepest_centre = watch.deepest();
-    if (end.reason == StopReason::AtRest) {
-        const ConvexBlock left = end.mass < scene.block.mass
-                                     ? scaled_block(scene.block, std::cbrt(end.mass / scene.block.mass))
-                                     : scene.block;
-        HullContacts finder(left, *scene.surface, settings.vertices_only);
-        std::vector<Contact<3>> contacts;
-        finder.detect(end.state.position, end.state.orientation.toRotationMatrix(), 0.0, contacts);
-        for (const auto& c : contacts) outcome.rest_penetration = std::max(outcome.rest_penetration, -c.gap);
-        outcome.rest_penetration = std::max(outcome.rest_penetration, finder.cut());
-    }
-    const double too_deep = std::max(kTunnelShare * scene.block.inner_radius, kSmallOverlap);
-    std::ostringstream fault;
-    if (end.reason == StopReason::Failed) fault << "failed; ";
-    if (outcome.deepest_centre > 0.0) fault << "centre " << outcome.deepest_centre << " m below the terrain; ";
-    if (end.counters.largest_penetration > too_deep)
-        fault << "penetration " << end.counters.largest_penetration << " m of " << scene.block.inner_radius << " m; ";
-    if (outcome.rest_penetration > too_deep) fault << "rests " << outcome.rest_penetration << " m deep; ";
-    if (end.counters.largest_energy_rise > kEnergyRise)
-        fault << "energy rises by " << end.counters.largest_energy_rise << " m; ";
-    outcome.fault = fault.str();
-    return outcome;
+FuzzOutcome<3> fuzz_block(const FuzzScene& scene, const DynamicsSettings& settings, std::span<const Effect> effects) {
+    return thrown<3, HullContacts>(scene.block, scene.release, *scene.surface, scene.soils, settings, effects,
+                                   scaled_block);
 }
 
 }  // namespace scree::test

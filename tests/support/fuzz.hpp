@@ -24,13 +24,15 @@ struct FuzzScene {
 FuzzScene fuzz_scene(std::uint64_t number);
 
 /// How the block of a scene fared.
+template <int Dim>
 struct FuzzOutcome {
-    TrajectoryEnd<3> end;
+    TrajectoryEnd<Dim> end;
     double deepest_centre = 0.0;    ///< how far the centre of mass was below the terrain, vertically [m]
     double rest_penetration = 0.0;  ///< deepest overlap where it came to rest [m]
     std::string fault;              ///< what must not be; empty if nothing
 };
-FuzzOutcome fuzz_block(const FuzzScene& scene, const DynamicsSettings& settings, std::span<const Effect> effects = {});
+FuzzOutcome<3> fuzz_block(const FuzzScene& scene, const DynamicsSettings& settings,
+                          std::span<const Effect> effects = {});
 
 /// Settings of the fuzz: the defaults, with an end after 30 s.
 DynamicsSettings fuzz_settings();

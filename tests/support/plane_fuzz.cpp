@@ -2,9 +2,8 @@
 #include "support/plane_fuzz.hpp"
 
 #include "dynamics/plane_contacts.hpp"
-#include "dynamics/rigid_motion.hpp"
 
-#include "scree/base/random.hpp"
+#include "support/fuzz_parts.hpp"
 #include "support/plane_scenes.hpp"
 #include "support/scenes.hpp"
 
@@ -17,18 +16,8 @@ namespace scree::test {
 
 namespace {
 
-/// A block that is deeper in the ground than this share of its thickness has gone through it [-].
-constexpr double kTunnelShare = 0.5;
-/// Overlaps of less are never a fault, whatever the block's size [m].
-constexpr double kSmallOverlap = 2e-3;
-/// Rise of energy that a step may be left with, as height of fall [m].
-constexpr double kEnergyRise = 1.01e-6;
 /// How many block lengths the ground is long [-].
 constexpr double kLengths = 40.0;
-
-double between_logs(RandomStream& random, double low, double high) {
-    return std::exp(random.uniform(std::log(low), std::log(high)));
-}
 
 enum class Land { Rough, Benches, Gully, Spikes, Noise };
 constexpr std::array<const char*, 5> kLandNames{"rough", "benches", "gully", "spikes", "noise"};
@@ -80,21 +69,6 @@ ConvexPolygon polygon(RandomStream& random, double largest, std::string& what) {
     return make_polygon(shape, size, mass, random);
 }
 
-/// Watches the centre of mass.
-class DepthWatch final : public MotionSink<2> {
-public:
-    explicit DepthWatch(const GroundLine& ground) : ground_(ground) {}
-    void segment(const MotionSegment<2>& motion) override {
-        const double ground = ground_.height(motion.position.x());
-        if (std::isfinite(ground)) deepest_ = std::max(deepest_, ground - motion.position.y());
-    }
-    double deepest() const { return deepest_; }
-
-private:
-    const GroundLine& ground_;
-    double deepest_ = 0.0;
-};
-
 }  // namespace
 
 PlaneFuzzScene plane_fuzz_scene(std::uint64_t number) {
@@ -110,11 +84,7 @@ PlaneFuzzScene plane_fuzz_scene(std::uint64_t number) {
     std::vector<SoilId> soil(corners.size() - 1);
     for (SoilId& s : soil) s = static_cast<SoilId>(random.below(2));
     PlaneFuzzScene scene{{}, GroundLine(profile_of(corners, soil)), {}, block, {}};
-    for (int k = 0; k < 2; ++k) {
-        static constexpr std::array<double, 3> restitution{0.0, 0.3, 0.6};
-        scene.soils.push_back({"soil", restitution[random.below(3)], random.uniform(0.2, 0.9),
-                               random.uniform(0.0, 0.1) * block.inner_radius});
-    }
+    scene.soils = two_soils(random, block.inner_radius);
     BlockState<2>& s = scene.release;
     s.position.x() = scene.ground.length() * random.uniform(0.1, 0.7);
     s.position.y() = scene.ground.height(s.position.x()) + random.uniform(0.0, 2.0) * largest;
@@ -132,35 +102,10 @@ PlaneFuzzScene plane_fuzz_scene(std::uint64_t number) {
     return scene;
 }
 
-PlaneFuzzOutcome plane_fuzz_block(const PlaneFuzzScene& scene, const DynamicsSettings& settings,
-                                  std::span<const Effect> effects) {
-    PlaneFuzzOutcome outcome;
-    DepthWatch watch(scene.ground);
-    outcome.end =
-        simulate_block(scene.block, scene.release, scene.ground, scene.soils, settings, &watch, {effects, 77, 0});
-    const TrajectoryEnd<2>& end = outcome.end;
-    outcome.deepest_centre = watch.deepest();
-    if (end.reason == StopReason::AtRest) {
-        const ConvexPolygon left = end.mass < scene.block.mass
-                                       ? scaled_polygon(scene.block, std::cbrt(end.mass / scene.block.mass))
-                                       : scene.block;
-        PlaneContacts finder(left, scene.ground, settings.vertices_only);
-        std::vector<Contact<2>> contacts;
-        finder.detect(end.state.position, rotation_matrix(end.state.orientation), 0.0, contacts);
-        for (const auto& c : contacts) outcome.rest_penetration = std::max(outcome.rest_penetration, -c.gap);
-        outcome.rest_penetration = std::max(outcome.rest_penetration, finder.cut());
-    }
-    const double too_deep = std::max(kTunnelShare * scene.block.inner_radius, kSmallOverlap);
-    std::ostringstream fault;
-    if (end.reason == StopReason::Failed) fault << "failed; ";
-    if (outcome.deepest_centre > 0.0) fault << "centre " << outcome.deepest_centre << " m below the ground; ";
-    if (end.counters.largest_penetration > too_deep)
-        fault << "penetration " << end.counters.largest_penetration << " m of " << scene.block.inner_radius << " m; ";
-    if (outcome.rest_penetration > too_deep) fault << "rests " << outcome.rest_penetration << " m deep; ";
-    if (end.counters.largest_energy_rise > kEnergyRise)
-        fault << "energy rises by " << end.counters.largest_energy_rise << " m; ";
-    outcome.fault = fault.str();
-    return outcome;
+FuzzOutcome<2> plane_fuzz_block(const PlaneFuzzScene& scene, const DynamicsSettings& settings,
+                                std::span<const Effect> effects) {
+    return thrown<2, PlaneContacts>(scene.block, scene.release, scene.ground, scene.soils, settings, effects,
+                                    scaled_polygon);
 }
 
 }  // namespace scree::test

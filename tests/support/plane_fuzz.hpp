@@ -4,6 +4,7 @@
 #include "scree/dynamics/trajectory.hpp"
 #include "scree/geometry/convex_polygon.hpp"
 #include "scree/geometry/ground_line.hpp"
+#include "support/fuzz.hpp"
 
 #include <cstdint>
 #include <string>
@@ -21,15 +22,7 @@ struct PlaneFuzzScene {
     BlockState<2> release;
 };
 PlaneFuzzScene plane_fuzz_scene(std::uint64_t number);
-
-/// How the block of a scene fared.
-struct PlaneFuzzOutcome {
-    TrajectoryEnd<2> end;
-    double deepest_centre = 0.0;    ///< how far the centre of mass was below the ground, vertically [m]
-    double rest_penetration = 0.0;  ///< deepest overlap where it came to rest [m]
-    std::string fault;              ///< what must not be; empty if nothing
-};
-PlaneFuzzOutcome plane_fuzz_block(const PlaneFuzzScene& scene, const DynamicsSettings& settings,
-                                  std::span<const Effect> effects = {});
+FuzzOutcome<2> plane_fuzz_block(const PlaneFuzzScene& scene, const DynamicsSettings& settings,
+                                std::span<const Effect> effects = {});
 
 }  // namespace scree::test

@@ -36,7 +36,7 @@ int main(int argc, char** argv) {
     std::mutex printing;
     tbb::parallel_for(first, first + count, [&](std::uint64_t number) {
         const scree::test::FuzzScene scene = scree::test::fuzz_scene(number);
-        const scree::test::FuzzOutcome outcome = scree::test::fuzz_block(scene, scree::test::fuzz_settings());
+        const scree::test::FuzzOutcome<3> outcome = scree::test::fuzz_block(scene, scree::test::fuzz_settings());
         Account& account = accounts.local();
         ++account.reasons[static_cast<std::size_t>(outcome.end.reason)];
         account.counters.merge(outcome.end.counters);

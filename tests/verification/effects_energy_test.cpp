@@ -222,7 +222,7 @@ TEST(AllEffects, OnRandomProfiles) {
     std::int64_t struck = 0, breaks = 0;
     for (std::uint64_t number = 0; number < 300; ++number) {
         const PlaneFuzzScene scene = plane_fuzz_scene(number);
-        const PlaneFuzzOutcome outcome = plane_fuzz_block(scene, fuzz_settings(), effects);
+        const FuzzOutcome<2> outcome = plane_fuzz_block(scene, fuzz_settings(), effects);
         EXPECT_EQ(outcome.fault, "") << scene.what;
         struck += outcome.end.counters.crossings_struck;
         breaks += outcome.end.counters.breaks;
