@@ -1,13 +1,16 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What the generators of the synthetic sites share: frames, shapes of ground, roughness, writing of layers and blocks.
+"""What the generators of the synthetic sites share: frames, shapes of ground, roughness, writing of layers and blocks, the
+command line.
 
 Two frames: local (x east, y north, origin at the south-west corner of the model) and path (s down the path from the
 centre of the release area, t across it, positive to the left).
 """
+import argparse
 import csv
 import math
 import os
 from dataclasses import dataclass
+from pathlib import Path
 
 os.environ["OGR_CURRENT_DATE"] = "2024-01-01T00:00:00.000Z"  # the date that GeoPackages carry: the same bytes every time
 
@@ -89,6 +92,10 @@ class Model:
         """Polygon of corners given as (s, t), rounded to a millimetre."""
         return self.polygon([(round(x, 3), round(y, 3)) for x, y in (self.to_local(s, t) for s, t in corners)])
 
+    def release_square(self, half):
+        """Square along the path around the centre of the release area."""
+        return self.path_polygon([(-half, -half), (half, -half), (half, half), (-half, half)])
+
     def linestring(self, points):
         result = ogr.Geometry(ogr.wkbLineString)
         for e, n in self.map_points(points):
@@ -130,6 +137,27 @@ def correlated_noise(random, rows, columns, length_y, length_x):
     return sum(w * field[:, j:j + columns] for j, w in enumerate(kx))
 
 
+@dataclass(frozen=True)
+class Roughness:
+    """Fields of noise of the model's cells, drawn in the order of the fields."""
+    fine: np.ndarray
+    middle: np.ndarray
+    broad: np.ndarray
+    rills: np.ndarray               # runnels and tipping streaks down the waste [about 1.6 m wide, 9 m long]
+    joints: np.ndarray              # ribs and recesses of rock faces
+    apron: np.ndarray
+
+    @property
+    def bulge(self):
+        """Of rock faces, horizontal [m]."""
+        return 0.16 * self.joints + 0.05 * self.middle
+
+
+def draw_roughness(random, model):
+    lengths = ((0.9, 0.9), (1.8, 1.8), (8.0, 8.0), (1.6, 9.0), (1.1, 3.0), (5.0, 5.0))  # of correlation, y and x [m]
+    return Roughness(*(correlated_noise(random, *model.cells(), *length) for length in lengths))
+
+
 def rounded_heights(z):
     return np.round(z / HEIGHT_STEP) * HEIGHT_STEP
 
@@ -158,6 +186,7 @@ def write_terrain(path, model, heights):
 
 def write_layer(path, geometry_type, fields, rows):
     """One GeoPackage with one layer of the file's name. rows: (geometry, one text for each field)."""
+    path.unlink(missing_ok=True)
     source = ogr.GetDriverByName("GPKG").CreateDataSource(str(path))
     layer = source.CreateLayer(path.stem, projection(), geometry_type)
     for field in fields:
@@ -187,3 +216,16 @@ def write_blocks(path, random, letter, count=50):
         table = csv.writer(file, lineterminator="\n")
         table.writerow(["block_id", "mass_kg", "L1_m", "L2_m", "L3_m"])
         table.writerows(rows)
+
+
+# ---- command line ----------------------------------------------------------------------------------------------------
+
+def generate(script, title, model, seed, letter, make_heights, write_vectors):
+    """What a site's generate.py does: terrain, vector layers, blocks named by `letter`."""
+    parser = argparse.ArgumentParser(description=title)
+    parser.add_argument("--output", type=Path, default=Path(script).resolve().parent / "data", metavar="DIR")
+    folder = parser.parse_args().output
+    folder.mkdir(parents=True, exist_ok=True)
+    write_terrain(folder / "dtm.tif", model, make_heights(np.random.RandomState(seed)))
+    write_vectors(folder)
+    write_blocks(folder / "blocks.csv", np.random.RandomState(seed + 1), letter)

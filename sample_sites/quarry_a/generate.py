@@ -7,14 +7,13 @@ Usage: generate.py [--output DIR]     (default: data/ beside this file; existing
 The terrain is a few smooth surfaces (slope of waste, rock cuts, track, platform) joined by rounded edges, plus
 roughness that is correlated over a metre or two. Frames (local, path) and helpers: ../synthetic_site.py.
 """
-import argparse
 import math
 import sys
 from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
-from synthetic_site import (Model, correlated_noise, debris, np, ogr, rounded_heights, rounded_max, rounded_min,  # noqa: E402
-                            wave, write_blocks, write_layer, write_terrain)
+from synthetic_site import (Model, debris, draw_roughness, generate, np, ogr, rounded_heights, rounded_max,  # noqa: E402
+                            rounded_min, wave, write_layer)
 
 SEED = 20220155        # any number would do; RandomState's stream is frozen by numpy's compatibility promise
 MODEL = Model(east=890000.0, north=6670000.0,   # [m] round numbers, no quarry looks like this there
@@ -78,30 +77,22 @@ def cut_2(s, t):
 # ---- terrain ---------------------------------------------------------------------------------------------------------
 
 def make_heights(random):
-    rows, columns = MODEL.cells()
     s, t = MODEL.cell_centres()
+    rough = draw_roughness(random, MODEL)
+    fine, middle, broad, rills = rough.fine, rough.middle, rough.broad, rough.rills
 
-    def noise(length_y, length_x):
-        return correlated_noise(random, rows, columns, length_y, length_x)
-
-    fine, middle, broad = noise(0.9, 0.9), noise(1.8, 1.8), noise(8.0, 8.0)
-    rills = noise(1.6, 9.0)          # runnels and tipping streaks down the waste [about 1.6 m wide, 9 m long]
-    joints = noise(1.1, 3.0)         # ribs and recesses of the rock faces
-    apron = noise(5.0, 5.0)
-
-    bulge = 0.16 * joints + 0.05 * middle                                   # of the rock faces, horizontal [m]
     waste = rounded_min(waste_slope(s, t), plateau(s, t), 1.2)
     waste = waste + 0.025 * fine + 0.030 * middle + 0.060 * broad + 0.040 * rills
     floor_1 = track(s, t) + 0.007 * fine + 0.012 * middle + 0.030 * broad
     floor_2 = platform(s, t) + 0.007 * fine + 0.012 * middle + 0.050 * broad
 
-    heap_1 = np.clip(0.30 + 0.25 * apron, 0.0, 0.9)                         # height of the debris at the foot [m]
-    heap_2 = np.clip(0.30 - 0.25 * apron, 0.0, 0.9)
+    heap_1 = np.clip(0.30 + 0.25 * rough.apron, 0.0, 0.9)                   # height of the debris at the foot [m]
+    heap_2 = np.clip(0.30 - 0.25 * rough.apron, 0.0, 0.9)
     floor_1 = rounded_max(floor_1, debris(s, track(toe_1(t), t), toe_1(t), heap_1) + 0.03 * fine, 0.25)
     floor_2 = rounded_max(floor_2, debris(s, platform(toe_2(t), t), toe_2(t), heap_2) + 0.03 * fine, 0.25)
 
-    z = rounded_max(rounded_min(waste, cut_1(s + bulge, t), 1.0), floor_1, 0.6)
-    z = rounded_max(rounded_min(z, cut_2(s + bulge, t), 0.8), floor_2, 0.6)
+    z = rounded_max(rounded_min(waste, cut_1(s + rough.bulge, t), 1.0), floor_1, 0.6)
+    z = rounded_max(rounded_min(z, cut_2(s + rough.bulge, t), 0.8), floor_2, 0.6)
     return rounded_heights(z)
 
 
@@ -117,16 +108,14 @@ def write_vectors(folder):
         (MODEL.between(crest_1, crest_2), "compact waste", "first cut and track"),
         (MODEL.between(crest_2, MODEL.straight(MODEL.length)), "compact waste", "second cut and platform")])
 
-    h = RELEASE_SIDE / 2.0 + AROUND_RELEASE
-    around = MODEL.path_polygon([(-h, -h), (h, -h), (h, h), (-h, h)])
+    around = MODEL.release_square(RELEASE_SIDE / 2.0 + AROUND_RELEASE)
     write_layer(folder / "zones_release.gpkg", ogr.wkbPolygon, ["soil", "part"], [
         (MODEL.between(MODEL.straight(MARGIN_WITHOUT_SOIL), crest_1).Difference(around), "loose waste", "plateau and upper slope"),
         (around, "release ground", "release area"),
         (MODEL.between(crest_1, MODEL.straight(MODEL.length)), "compact waste", "cuts, track and platform")])
 
-    h = RELEASE_SIDE / 2.0
     write_layer(folder / "release.gpkg", ogr.wkbPolygon, ["name"],
-                [(MODEL.path_polygon([(-h, -h), (h, -h), (h, h), (-h, h)]), "release A")])
+                [(MODEL.release_square(RELEASE_SIDE / 2.0), "release A")])
 
     write_layer(folder / "screens.gpkg", ogr.wkbLineString, ["name"],
                 [(MODEL.linestring(before_crest_1), "ES1-A"), (MODEL.linestring(crest_2), "ES2-A")])
@@ -136,17 +125,5 @@ def write_vectors(folder):
         (MODEL.between(crest_1, crest_2), "3A"), (MODEL.between(crest_2, MODEL.straight(MODEL.length)), "4A")])
 
 
-def main():
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--output", type=Path, default=Path(__file__).resolve().parent / "data", metavar="DIR")
-    folder = parser.parse_args().output
-    folder.mkdir(parents=True, exist_ok=True)
-    for name in ("dtm.tif", "zones.gpkg", "zones_release.gpkg", "release.gpkg", "screens.gpkg", "deposit_zones.gpkg", "blocks.csv"):
-        (folder / name).unlink(missing_ok=True)
-    write_terrain(folder / "dtm.tif", MODEL, make_heights(np.random.RandomState(SEED)))
-    write_vectors(folder)
-    write_blocks(folder / "blocks.csv", np.random.RandomState(SEED + 1), "A")
-
-
 if __name__ == "__main__":
-    main()
+    generate(__file__, __doc__.splitlines()[0], MODEL, SEED, "A", make_heights, write_vectors)

@@ -7,14 +7,13 @@ Usage: generate.py [--output DIR]     (default: data/ beside this file; existing
 The terrain is a few smooth surfaces (slopes of waste, rock cut, talus, tracks, deposit area) joined by rounded edges, plus
 roughness that is correlated over a metre or two. Frames (local, path) and helpers: ../synthetic_site.py.
 """
-import argparse
 import math
 import sys
 from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
-from synthetic_site import (Model, correlated_noise, debris, np, ogr, rounded_heights, rounded_max, rounded_min,  # noqa: E402
-                            wave, write_blocks, write_layer, write_terrain)
+from synthetic_site import (Model, debris, draw_roughness, generate, np, ogr, rounded_heights, rounded_max,  # noqa: E402
+                            rounded_min, wave, write_layer)
 
 SEED = 20220591        # any number would do; RandomState's stream is frozen by numpy's compatibility promise
 MODEL = Model(east=890200.0, north=6670000.0,   # [m] beside quarry_a, in the same invented quarry
@@ -154,27 +153,19 @@ def deposit_area(s, t):
 # ---- terrain ---------------------------------------------------------------------------------------------------------
 
 def make_heights(random):
-    rows, columns = MODEL.cells()
     s, t = MODEL.cell_centres()
+    rough = draw_roughness(random, MODEL)
+    fine, middle, broad, rills = rough.fine, rough.middle, rough.broad, rough.rills
 
-    def noise(length_y, length_x):
-        return correlated_noise(random, rows, columns, length_y, length_x)
-
-    fine, middle, broad = noise(0.9, 0.9), noise(1.8, 1.8), noise(8.0, 8.0)
-    rills = noise(1.6, 9.0)          # runnels and tipping streaks down the waste [about 1.6 m wide, 9 m long]
-    joints = noise(1.1, 3.0)         # ribs and recesses of the rock face
-    apron = noise(5.0, 5.0)
-
-    bulge = 0.16 * joints + 0.05 * middle                                   # of the rock face, horizontal [m]
     rough_waste = 0.025 * fine + 0.030 * middle + 0.050 * broad + 0.035 * rills
     rough_floor = 0.007 * fine + 0.012 * middle + 0.030 * broad
 
     waste = rounded_max(upper_slope(s, t), talus(s, t), 1.0) + rough_waste
-    heap = np.clip(0.35 + 0.25 * apron, 0.0, 0.9)                           # height of the fragments at the foot of the rock [m]
+    heap = np.clip(0.35 + 0.25 * rough.apron, 0.0, 0.9)                     # height of the fragments at the foot of the rock [m]
     fragments = debris(rock_foot(s) - t, waste, 0.0, heap)
     beside_rock = (s > CORRIDOR_BEGIN + 3.0) & (s < CORRIDOR_END - 1.0) & (t < rock_foot(s) + 0.5)
     waste = np.where(beside_rock, rounded_max(waste, fragments + 0.03 * fine, 0.25), waste)
-    z = rounded_max(waste, rock(s, t, bulge) + 0.02 * middle, 0.4)
+    z = rounded_max(waste, rock(s, t, rough.bulge) + 0.02 * middle, 0.4)
     z = rounded_min(z, plateau(s, t) + rough_waste, 1.2)
     z = rounded_max(z, track_1(s, t) + rough_floor, 0.8)
     z = rounded_min(z, short_slope(s, t) + rough_waste, 0.8)
@@ -214,9 +205,8 @@ def write_vectors(folder):
         (MODEL.between(track_2_outer, lower_foot), "loose waste", "lower slope"),
         (MODEL.between(lower_foot, MODEL.straight(MODEL.length)), "compact waste", "deposit area")])
 
-    h = RELEASE_SIDE / 2.0
     write_layer(folder / "release.gpkg", ogr.wkbPolygon, ["name"],
-                [(MODEL.path_polygon([(-h, -h), (h, -h), (h, h), (-h, h)]), "release B")])
+                [(MODEL.release_square(RELEASE_SIDE / 2.0), "release B")])
 
     write_layer(folder / "screens.gpkg", ogr.wkbLineString, ["name"],
                 [(MODEL.linestring(contour), "ES1-B"), (MODEL.linestring(track_1_outer), "ES2-B")])
@@ -227,17 +217,5 @@ def write_vectors(folder):
         (MODEL.between(track_2_outer, MODEL.straight(MODEL.length)), "4B")])
 
 
-def main():
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--output", type=Path, default=Path(__file__).resolve().parent / "data", metavar="DIR")
-    folder = parser.parse_args().output
-    folder.mkdir(parents=True, exist_ok=True)
-    for name in ("dtm.tif", "zones.gpkg", "release.gpkg", "screens.gpkg", "deposit_zones.gpkg", "blocks.csv"):
-        (folder / name).unlink(missing_ok=True)
-    write_terrain(folder / "dtm.tif", MODEL, make_heights(np.random.RandomState(SEED)))
-    write_vectors(folder)
-    write_blocks(folder / "blocks.csv", np.random.RandomState(SEED + 1), "B")
-
-
 if __name__ == "__main__":
-    main()
+    generate(__file__, __doc__.splitlines()[0], MODEL, SEED, "B", make_heights, write_vectors)
