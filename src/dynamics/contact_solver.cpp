@@ -5,9 +5,9 @@
 // Plain loops over sizes known to the compiler: expressions of this size would cost more to compile than to run.
 #include "scree/dynamics/contact_solver.hpp"
 
-#include "scree/base/assert.hpp"
+#include "dynamics/disc_problem.hpp"
 
-#include <Eigen/LU>
+#include "scree/base/assert.hpp"
 
 #include <algorithm>
 #include <array>
@@ -270,30 +270,6 @@ template <int Dim, int C>
     }
     p = best;
     return best_norm / std::max(s.norm_q, kTiny);
-}
-
-/// min 1/2 a |x|^2-like problem on a disc: minimises 1/2 x.A x + b.x over |x| <= radius, A symmetric positive definite (1x1 or 2x2).
-template <int T>
-Eigen::Matrix<double, T, 1> minimise_on_disc(const Eigen::Matrix<double, T, T>& A, const Eigen::Matrix<double, T, 1>& b,
-                                             double radius) {
-    using Vector = Eigen::Matrix<double, T, 1>;
-    using Matrix = Eigen::Matrix<double, T, T>;
-    const Vector inside = A.inverse() * -b;
-    if (inside.norm() <= radius) return inside;
-    if (radius <= 0.0) return Vector::Zero();
-    // (A + lambda I) x = -b with |x| = radius: Newton on 1/|x| - 1/radius, monotone from lambda = 0 (More & Sorensen 1983)
-    double lambda = 0.0;
-    Vector x = inside;
-    for (int k = 0; k < 60; ++k) {
-        const double norm = x.norm();
-        if (std::abs(norm - radius) <= 1e-15 * radius) break;
-        const Matrix shifted = A + lambda * Matrix::Identity();
-        const Vector dx = -(shifted.inverse() * x);
-        lambda += (norm - radius) / radius * norm * norm / -(x.dot(dx));
-        lambda = std::max(lambda, 0.0);
-        x = (A + lambda * Matrix::Identity()).inverse() * -b;
-    }
-    return x * (radius / x.norm());
 }
 
 /// One contact, whatever Newton says: for a given r_N friction and rolling are a convex problem on two discs, and the normal velocity that

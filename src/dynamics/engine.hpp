@@ -3,6 +3,7 @@
 
 #include "dynamics/contact_step.hpp"
 #include "dynamics/effects/block_effects.hpp"
+#include "dynamics/rest_watch.hpp"
 #include "dynamics/rigid_motion.hpp"
 
 #include "scree/base/assert.hpp"
@@ -406,29 +407,13 @@ private:
     ///
     /// A top that stands on one vertex precesses and nothing in the law slows it: a block whose centre of mass has stayed in place for long rests too.
     void look_for_rest(double h) {
-        if ((state_.position - place_).norm() > kPlaceShare * finder_.radius()) {
-            place_ = state_.position;
-            in_place_since_ = time_;
-        } else if (time_ - in_place_since_ >= kPlaceTime) {
+        if (rest_.in_place_for_long(state_.position, finder_.radius(), time_)) {
             ++end_.counters.rested_turning;
             finish(StopReason::AtRest);
         }
-        if (closed_.empty() || !hardly_moves() || !in_equilibrium()) {
-            still_ = 0.0;
-            return;
-        }
-        still_ += h;
-        if (still_ >= settings_.rest_time) finish(StopReason::AtRest);
-    }
-
-    /// With the turning about any one of the contacts taken out.
-    bool hardly_moves() const {
         const double most = settings_.rest_head * body_.mass * settings_.gravity;
-        return std::any_of(closed_.begin(), closed_.end(), [&](const Contact<Dim>& c) {
-            State s = state_;
-            remove_turning(c, s);
-            return kinetic_energy(body_, s) <= most;
-        });
+        const bool still = rest_.hardly_moves(body_, closed_, state_, most) && in_equilibrium();
+        if (rest_.still_for_long(still, h, settings_.rest_time)) finish(StopReason::AtRest);
     }
 
     bool in_equilibrium() {
@@ -441,18 +426,8 @@ private:
         std::size_t main = 0;
         for (std::size_t c = 1; c < closed_.size(); ++c)
             if (step_.normal_impulse(c) > step_.normal_impulse(main)) main = c;
-        remove_turning(closed_[main], s);
+        rest_.remove_turning(closed_[main], s);
         return fastest_point(s) <= kEquilibriumShare * settings_.gravity * settings_.time_step;
-    }
-
-    /// Takes the turning about the contact's normal, through the contact point, out of the motion.
-    void remove_turning(const Contact<Dim>& c, State& s) const {
-        if constexpr (Dim == 3) {
-            const Mat3 rotation = rotation_matrix(s.orientation);
-            const double about = c.normal.dot(rotation * s.spin);
-            s.spin -= about * (rotation.transpose() * c.normal);
-            s.velocity -= about * c.normal.cross(Vec3(-c.arm));
-        }
     }
 
     // ---- Moreau-Jean mode (B&A section 3.1.1) ---------------------------------------------------------------------------------
@@ -591,8 +566,6 @@ private:
     static constexpr double kSamePlace = 0.02;        ///< of the radius: contacts closer than this are at one place [-]
     static constexpr double kEquilibriumShare =
         1e-3;  ///< acceleration from rest, as a share of gravity, that counts as none [-]
-    static constexpr double kPlaceShare = 0.05;  ///< of the radius: a centre of mass that moves less stays in place [-]
-    static constexpr double kPlaceTime = 5.0;    ///< in place for so long is rest, whatever still turns [s]
     static constexpr int kImpactsInARow = 1000;  ///< impacts at one moment: beyond, something is wrong
     static constexpr std::int64_t kMostTurns = 50'000'000;
 
@@ -609,10 +582,8 @@ private:
     double last_impact_ = -1;  ///< when the block was struck last [s]
     State state_;
     double time_ = 0.0;
-    double still_ = 0.0;                    ///< time in equilibrium [s]
-    Vec place_ = Vec::Constant(kInfinity);  ///< where the centre of mass has stayed of late [m]
-    double in_place_since_ = 0.0;           ///< [s]
-    double free_until_ = -kInfinity;        ///< no contact closes before; moreau_jean only [s]
+    RestWatch<Dim> rest_;
+    double free_until_ = -kInfinity;  ///< no contact closes before; moreau_jean only [s]
     int impacts_in_a_row_ = 0;
     std::int64_t turns_ = 0;
     bool finished_ = false;
