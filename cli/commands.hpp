@@ -34,7 +34,7 @@ struct Context {
     bool plan = false;              ///< --plan: of `diagnose`
     bool full = false;              ///< --full: of `diagnose`
     std::string instruments = "stops,speed";  ///< --instruments: of `diagnose --plan`
-    std::int64_t sets = 20;         ///< --sets: of `sweep` [-]
+    std::int64_t sets = 20;                   ///< --sets: of `sweep` [-]
     std::ostream* out = nullptr;
     std::ostream* err = nullptr;
 

@@ -397,7 +397,9 @@ double PlaneContacts::time_of_vertex(const Flight& flight, Eigen::Index vertex, 
     gap = std::min(gap, ground_.reach(below_).gap(p));
     look_at(below_, 0.0);
     // how far it gets to either side meanwhile, at most
-    auto way = [&](double speed) { return (std::max(speed, 0.0) + 0.5 * (flight.turning + flight.pull) * time) * time; };
+    auto way = [&](double speed) {
+        return (std::max(speed, 0.0) + 0.5 * (flight.turning + flight.pull) * time) * time;
+    };
     for (std::size_t k = below_ + 1; k < ground_.reach_count(); ++k) {
         const double distance = std::max(ground_.reach(k).from - p.x(), 0.0);
         if (distance > way(u.x())) break;

@@ -191,9 +191,10 @@ TEST(Plane, SaysWhatDoesNotSuit) {
 TEST(Plane, MergedProfilesAreAnError) {
     const TempDir folder;
     const fs::path guide = folder / "guide.gpkg";
-    write_vector(guide.string(), {.layer = "guide",
-                                  .rows = {{"LINESTRING (890016 6670045, 890070 6670040, 890150 6670040)", "a", {}},
-                                           {"LINESTRING (890016 6670046.5, 890070 6670040, 890150 6670040)", "b", {}}}});
+    write_vector(guide.string(),
+                 {.layer = "guide",
+                  .rows = {{"LINESTRING (890016 6670045, 890070 6670040, 890150 6670040)", "a", {}},
+                           {"LINESTRING (890016 6670046.5, 890070 6670040, 890150 6670040)", "b", {}}}});
     const std::vector<std::string> lines{"profile.mode=line", "profile.guide='" + guide.string() + "'"};
     EXPECT_EQ(check_2d(lines).code, 0);
     const Outcome merged = check_2d({lines[0], lines[1], "profile.converging=merge"});

@@ -147,7 +147,8 @@ TEST(Diagnosis, NamesWhatIsHidden) {
 TEST(Diagnosis, SaysUnknownWhereTheHiddenEffectIsNotInTheCatalogue) {
     const auto blocks = blocks_of_test();
     const std::vector<CandidateEffect> effects = all_effects();
-    const DiagnosisProblem problem = problem_for(blocks, {effects[kSpeedCap], effects[kDepositAt50], effects[kSpeedBias]});
+    const DiagnosisProblem problem =
+        problem_for(blocks, {effects[kSpeedCap], effects[kDepositAt50], effects[kSpeedBias]});
     int wrong = 0, detected = 0;
     for (std::uint64_t k = 0; k < 15; ++k) {
         const ObservationTable table = measured(blocks, 200 + k, {{kMassTrend, 0, 3.5}});
