@@ -156,7 +156,7 @@ public:
         std::vector<std::int32_t> number(blocks);
         std::iota(number.begin(), number.end(), 0);
         if (shuffled_ <= 0.0) return number;
-        RandomStream random(seed, repeat, RandomPurpose::Resampling);
+        RandomStream random = effect_stream(seed, EffectKind::IdsShuffled, 0, repeat);
         std::vector<std::size_t> mixed;
         for (std::size_t b = 0; b < blocks; ++b)
             if (random.uniform() < shuffled_) mixed.push_back(b);

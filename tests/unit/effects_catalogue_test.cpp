@@ -11,6 +11,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <cstdint>
 #include <set>
 #include <string>
 
@@ -162,6 +163,17 @@ TEST(BlockShapeEffect, KeepsTheVolumeAndTheRatios) {
     EXPECT_EQ(reshaped(population, std::vector<Effect>{effect}).shape.points, kSharpPoints / 2);
     population.shape.shape = BlockShape::Box;
     EXPECT_THROW(reshaped(population, std::vector<Effect>{effect}), InputError);
+}
+
+TEST(EffectStream, DiffersByKindNumberAndBlock) {
+    std::set<std::uint64_t> first;
+    for (const EffectKind kind : {EffectKind::RestitutionPfeifferBowen, EffectKind::Trees, EffectKind::IdsShuffled})
+        for (const std::uint64_t number : {0, 1})
+            for (const std::uint64_t block : {0, 1, 1'000'000'000}) {
+                EXPECT_EQ(effect_stream(5, kind, number, block).bits(), effect_stream(5, kind, number, block).bits());
+                first.insert(effect_stream(5, kind, number, block).bits());
+            }
+    EXPECT_EQ(first.size(), 18U);
 }
 
 TEST(ScaledBlock, IsTheSameBlockSmaller) {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include "scree/base/random.hpp"
 #include "scree/geometry/grid.hpp"
 #include "scree/geometry/profile.hpp"
 #include "scree/geometry/region.hpp"
@@ -149,6 +150,10 @@ struct Effect {
 
 /// An effect with the catalogue's standard values that acts everywhere.
 Effect make_effect(EffectKind kind);
+
+/// The stream that an effect draws from, the `number`-th of its kind: another for each block (for effects of measurements, for each repeat of the
+/// test), numbered below 2^40.
+RandomStream effect_stream(std::uint64_t seed, EffectKind kind, std::uint64_t number, std::uint64_t block);
 
 /// True for effects that the motion of a block feels (not those of terrain, block, release and measurement).
 bool acts_on_motion(EffectKind kind);

@@ -21,14 +21,6 @@ constexpr double kPast = 1e-4;
 constexpr double kLeastPiece = 1e-5;
 /// Longest piece of a flight without drag where something may lie in the way [s].
 constexpr double kLongestWatch = 0.25;
-/// Streams of one block: the kind of the effect and its number among those of that kind stand above the block number, which has 40 bits.
-constexpr int kKindBits = 48, kNumberBits = 40;
-
-RandomStream stream_of(const EffectInput& input, EffectKind kind, std::uint64_t number) {
-    return {input.seed,
-            input.block | (static_cast<std::uint64_t>(kind) << kKindBits) | ((number & 0xff) << kNumberBits),
-            RandomPurpose::Effect};
-}
 
 /// Where the way from a to b enters the circle, as a share in (0, 1] of it; infinite if it does not. `offset`: how far the way passes from the
 /// centre over the radius.
@@ -54,7 +46,7 @@ BlockEffects<Dim>::BlockEffects(const EffectInput& input, const EffectBody& body
         if (!acts_on_motion(effect.kind)) continue;
         const EffectInfo& info = effect_info(effect.kind);
         Part part{effect.kind, info.hook, &effect.place, effect.values,
-                  stream_of(input, effect.kind, number[static_cast<std::size_t>(effect.kind)]++)};
+                  effect_stream(input.seed, effect.kind, number[static_cast<std::size_t>(effect.kind)]++, input.block)};
         if (effect.kind == EffectKind::Trees) draw_next_tree(part);
         parts_.push_back(part);
         watches_flight_ = watches_flight_ || info.hook == EffectHook::Force || info.hook == EffectHook::Crossing;

@@ -105,6 +105,12 @@ Effect make_effect(EffectKind kind) {
     return effect;
 }
 
+RandomStream effect_stream(std::uint64_t seed, EffectKind kind, std::uint64_t number, std::uint64_t block) {
+    constexpr int kKindBits = 48, kNumberBits = 40;  // where kind and number begin, above the block
+    return {seed, block | (static_cast<std::uint64_t>(kind) << kKindBits) | ((number & 0xff) << kNumberBits),
+            RandomPurpose::Effect};
+}
+
 bool acts_on_motion(EffectKind kind) {
     const EffectHook hook = effect_info(kind).hook;
     return hook == EffectHook::ContactLaw || hook == EffectHook::Impact || hook == EffectHook::ContactForce ||
