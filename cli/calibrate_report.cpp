@@ -109,16 +109,18 @@ std::string value_text(double value, const Interval& interval) {
 std::vector<std::string> calibration_remarks(const CalibrationReport& r) {
     std::vector<std::string> remarks;
     const std::vector<CalibrationParameter>& p = r.keys.problem.parameters;
+    std::string unknown;
     for (std::size_t i = 0; i < p.size(); ++i) {
         const ParameterEstimate& e = r.result.parameters[i];
         if (e.at_low || e.at_high)
             remarks.push_back(p[i].name + " lies on the " + (e.at_low ? "lower" : "upper") +
                               " edge of its range: the best value may lie beyond, if the model allows it");
-        if (e.identified == Identification::Not)
-            remarks.push_back(p[i].name +
-                              " is not identified: the measurements say little more about it than its range did; keep "
-                              "the value that you have reasons for");
+        if (e.identified == Identification::Not) unknown += (unknown.empty() ? "" : ", ") + p[i].name;
     }
+    if (!unknown.empty())
+        remarks.push_back("not identified: " + unknown +
+                          ": the measurements say little more about these than their ranges did; keep the values that "
+                          "you have reasons for");
     for (std::size_t i = 0; i < p.size(); ++i)
         for (std::size_t j = 0; j < i; ++j)
             if (const double c = r.result.correlation(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(j));

@@ -29,12 +29,14 @@ KnownKey known(const Setting<S>& key, const S& settings) {
 
 /// A number of an [[effect]]; berms are not among them, as they stand in the terrain.
 bool find_effect_key(const SiteFile& site, const std::string& name, KnownKey& found) {
-    const auto dot = name.rfind('.');
-    for (const EffectSettings& e : site.settings.effects) {
+    const auto last = name.rfind('.');
+    const std::string which = last > 7 ? name.substr(7, last - 7) : std::string();
+    for (std::size_t i = 0; i < site.settings.effects.size(); ++i) {
+        const EffectSettings& e = site.settings.effects[i];
         const EffectInfo& info = effect_info(e.effect.kind);
-        if (info.hook == EffectHook::Terrain || name.substr(0, dot) != std::string("effect.") + info.name) continue;
+        if (info.hook == EffectHook::Terrain || !is_meant(which, info.name, i)) continue;
         for (const auto& k : effect_keys(e.effect.kind))
-            if (k.key == name.substr(dot + 1)) {
+            if (k.key == name.substr(last + 1)) {
                 found = known(k, e);
                 return true;
             }
@@ -48,10 +50,10 @@ bool find_key(const SiteFile& site, const std::string& name, KnownKey& found) {
     if (name.starts_with("soil.")) {
         const auto last = name.rfind('.');
         const std::string soil_name = last > 5 ? name.substr(5, last - 5) : std::string(), key = name.substr(last + 1);
-        for (const Soil& soil : site.settings.soils)
+        for (std::size_t i = 0; i < site.settings.soils.size(); ++i)
             for (const auto& k : soil_keys())
-                if (soil.name == soil_name && k.key == key) {
-                    found = known(k, soil);
+                if (is_meant(soil_name, site.settings.soils[i].name, i) && k.key == key) {
+                    found = known(k, site.settings.soils[i]);
                     return true;
                 }
         return false;
@@ -113,16 +115,35 @@ public:
             refuse(
                 "names a key that cannot be calibrated: take numbers and choices of [[soil]], [[effect]], [blocks], "
                 "[release] and [model]");
-        for (const auto& p : keys.problem.parameters)
-            if (p.name == name) refuse("frees " + name + " a second time");
-        for (const auto& c : keys.problem.choices)
-            if (c.name == name) refuse("frees " + name + " a second time");
+        for (const auto& p : keys.problem.parameters) refuse_twice(name, p.name);
+        for (const auto& c : keys.problem.choices) refuse_twice(name, c.name);
         number ? add_parameter(keys, name, key, text) : add_choice(keys, name, key, text);
     }
 
 private:
     [[noreturn]] void refuse(const std::string& what) const {
         throw InputError("free parameter \"" + entry_ + "\" " + what);
+    }
+
+    /// Names that mean one key of one entry: "soil.a|b.rolling" and "soil.*.rolling".
+    void refuse_twice(const std::string& name, const std::string& other) const {
+        const auto part = [](const std::string& key) { return key.substr(key.rfind('.') + 1); };
+        const auto which = [](const std::string& key) {
+            const auto begin = key.find('.') + 1, end = key.rfind('.');
+            return end > begin ? key.substr(begin, end - begin) : std::string();
+        };
+        const auto& soils = site_.settings.soils;
+        const auto& effects = site_.settings.effects;
+        bool both = name == other;
+        if (part(name) == part(other) && name.substr(0, 5) == other.substr(0, 5)) {
+            for (std::size_t i = 0; name.starts_with("soil.") && i < soils.size(); ++i)
+                both = both || (is_meant(which(name), soils[i].name, i) && is_meant(which(other), soils[i].name, i));
+            for (std::size_t i = 0; name.starts_with("effect.") && i < effects.size(); ++i) {
+                const char* kind = effect_info(effects[i].effect.kind).name;
+                both = both || (is_meant(which(name), kind, i) && is_meant(which(other), kind, i));
+            }
+        }
+        if (both) refuse("frees " + (name == other ? name : "what " + other + " frees") + " a second time");
     }
 
     void add_parameter(FreeKeys& keys, const std::string& name, const KnownKey& key, const std::string& text) const {

@@ -443,7 +443,8 @@ std::string settings_manual() {
     std::ostringstream out;
     out << "# Keys of the site file\n\nPaths are relative to the site file. A key that is not listed here is an error. "
            "Any key can be set on the command line: "
-           "`--set terrain.resolution=2`, `--set \"soil.loose waste.rolling=0.05\"`.\n";
+           "`--set terrain.resolution=2`, `--set \"soil.loose waste.rolling=0.05\"`, of several soils at once with "
+           "`soil.*.rolling` or `soil.sand|gravel.rolling`.\n";
     std::string section;
     auto head = [&](const std::string& name, bool list) {
         out << "\n## " << (list ? "[[" : "[") << name << (list ? "]]" : "]") << "\n\n"

@@ -175,9 +175,8 @@ void apply_change(toml::table& table, const std::string& change) {
     std::string key = change.substr(dot + 1, equals - dot - 1);
     const toml::table holder = changed_value(text);
     const toml::node& value = *holder.get("value");
-    toml::table* target = nullptr;
+    std::vector<toml::table*> targets;
     if (section == "soil" || section == "effect") {
-        // soil.NAME.key or effect.KIND.key, or a number counted from 0 in place of the name
         const char* name = section == "soil" ? "name" : "kind";
         const auto last = key.rfind('.');
         if (last == std::string::npos)
@@ -188,18 +187,17 @@ void apply_change(toml::table& table, const std::string& change) {
         toml::array* list = table[section].as_array();
         for (std::size_t i = 0; list && i < list->size(); ++i) {
             toml::table* entry = (*list)[i].as_table();
-            if (entry && ((*entry)[name].value_or(std::string()) == which || std::to_string(i) == which))
-                target = entry;
+            if (entry && is_meant(which, (*entry)[name].value_or(std::string()), i)) targets.push_back(entry);
         }
-        if (!target)
+        if (targets.empty())
             throw InputError("--set " + change + ": there is no [[" + section + "]] called \"" + which +
                              "\" in the site file");
     } else {
         if (!table.contains(section)) table.insert_or_assign(section, toml::table{});
-        target = table[section].as_table();
-        if (!target) throw InputError("--set " + change + ": " + section + " is not a table in the site file");
+        targets.push_back(table[section].as_table());
+        if (!targets.back()) throw InputError("--set " + change + ": " + section + " is not a table in the site file");
     }
-    value.visit([&](const auto& v) { target->insert_or_assign(key, v); });
+    for (toml::table* target : targets) value.visit([&](const auto& v) { target->insert_or_assign(key, v); });
 }
 
 void require(bool condition, const std::string& message) {
@@ -280,6 +278,17 @@ SiteFile read_site_file(const std::filesystem::path& file, const std::vector<std
     return site;
 }
 
+bool is_meant(std::string_view which, std::string_view name, std::size_t number) {
+    while (which != name) {
+        const auto bar = which.find('|');
+        const std::string_view one = which.substr(0, bar);
+        if (one == "*" || one == name || one == std::to_string(number)) return true;
+        if (bar == std::string_view::npos) return false;
+        which.remove_prefix(bar + 1);
+    }
+    return true;
+}
+
 SiteFile with_changes(SiteFile site, const std::vector<std::string>& changes) {
     const std::string where = site.file.string() + " (changed)";
     for (const std::string& change : changes) {
@@ -288,21 +297,33 @@ SiteFile with_changes(SiteFile site, const std::vector<std::string>& changes) {
         const toml::table holder =
             changed_value(equals == std::string::npos ? std::string() : change.substr(equals + 1));
         const toml::node& value = *holder.get("value");
-        const auto dot = name.rfind('.');
-        Soil* soil = nullptr;
-        for (Soil& s : site.settings.soils)
-            if (name.starts_with("soil.") && dot != std::string::npos && name.substr(0, dot) == "soil." + s.name)
-                soil = &s;
-        const auto soil_key = std::find_if(soil_keys().begin(), soil_keys().end(),
-                                           [&](const auto& k) { return soil && name.substr(dot + 1) == k.key; });
-        const auto site_key =
-            std::find_if(site_keys().begin(), site_keys().end(), [&](const auto& k) { return k.name() == name; });
-        if (soil_key != soil_keys().end())
-            soil_key->read(*soil, value, where);
-        else if (site_key != site_keys().end())
-            site_key->read(site.settings, value, where);
-        else
-            unknown_key(where, name);
+        const auto begin = name.find('.'), last = name.rfind('.');
+        const std::string section = name.substr(0, begin), key = name.substr(last + 1),
+                          which = last > begin ? name.substr(begin + 1, last - begin - 1) : std::string();
+        SiteSettings& settings = site.settings;
+        bool meant = false;
+        const auto read = [&](const auto& rows, auto& entry) {
+            const auto row = std::find_if(rows.begin(), rows.end(), [&](const auto& k) { return k.key == key; });
+            if (row == rows.end()) unknown_key(where, name);
+            row->read(entry, value, where);
+            meant = true;
+        };
+        if (section == "soil") {
+            for (std::size_t i = 0; i < settings.soils.size(); ++i)
+                if (is_meant(which, settings.soils[i].name, i)) read(soil_keys(), settings.soils[i]);
+        } else if (section == "effect") {
+            for (std::size_t i = 0; i < settings.effects.size(); ++i) {
+                const EffectKind kind = settings.effects[i].effect.kind;
+                if (is_meant(which, effect_info(kind).name, i)) read(effect_keys(kind), settings.effects[i]);
+            }
+        } else {
+            for (const auto& row : site_keys())
+                if (row.name() == name) {
+                    row.read(settings, value, where);
+                    meant = true;
+                }
+        }
+        if (!meant) unknown_key(where, name);
     }
     check_together(site);
     return site;

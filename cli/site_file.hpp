@@ -5,6 +5,7 @@
 
 #include <filesystem>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace scree::cli {
@@ -26,7 +27,12 @@ struct SiteFile {
 /// are errors. Settings that belong together are checked against each other.
 SiteFile read_site_file(const std::filesystem::path& file, const std::vector<std::string>& changes);
 
-/// A site as read, with other values of some keys ("release.height=3", "soil.NAME.rolling=0.05"), in memory: the file is not read again.
+/// Whether WHICH of soil.WHICH.key or effect.WHICH.key means the entry of that name (of an effect: kind) and number, counted from 0: its name or number, names
+/// with | between them, or * for all.
+bool is_meant(std::string_view which, std::string_view name, std::size_t number);
+
+/// A site as read, with other values of some keys ("release.height=3", "soil.NAME.rolling=0.05", "effect.KIND.coefficient=1"), in memory: the file is
+/// not read again.
 SiteFile with_changes(SiteFile site, const std::vector<std::string>& changes);
 
 }  // namespace scree::cli

@@ -3,6 +3,7 @@
 // how a calibration goes on, and what is refused. Budgets are small: that they find it at the stated rate is for verification/calibration_test.cpp.
 #include "cli/program.hpp"
 #include "cli/results.hpp"
+#include "cli/site_file.hpp"
 #include "support/paths.hpp"
 
 #include <gmock/gmock.h>
@@ -129,6 +130,30 @@ TEST(Calibrate, TellsChoicesApartAndTakesFreeKeysFromTheSiteFile) {
     EXPECT_THAT(text_of(folder / "out" / "calibrated.toml"), HasSubstr("shape = 'box'"));
 }
 
+TEST(Calibrate, FreesEffectsAndSeveralSoilsAtOnce) {
+    const TempDir folder;
+    const fs::path observed = field_test(folder);
+    const std::string site = quarry_with(folder.path(), "[[effect]]\nkind = \"ground_drag\"\ncoefficient = 0.2\n");
+    std::vector<std::string> args{"calibrate",  site,
+                                  "--observed", observed.string(),
+                                  "--output",   (folder / "out").string(),
+                                  "--set",      "model.dimension=2",
+                                  "--free",     "soil.*.restitution=0:0.4",
+                                  "--free",     "effect.ground_drag.coefficient=0:1"};
+    for (const char* set : {"starts=1", "screening=3", "generations=1", "search_repeats=3", "surroundings=12",
+                            "repeats=3", "final_repeats=5", "folds=0", "draws=100"})
+        args.insert(args.end(), {"--set", std::string("calibration.") + set});
+    const Outcome run = scree_program(args);
+    ASSERT_EQ(run.code, 0) << run.err;
+    const json j = json::parse(text_of(folder / "out" / "calibrate.json"));
+    const double drag = j.at("calibrated").at("effect.ground_drag.coefficient").get<double>(),
+                 restitution = j.at("calibrated").at("soil.*.restitution").get<double>();
+    EXPECT_NE(drag, 0.2);
+    const cli::SiteFile calibrated = cli::read_site_file(folder / "out" / "calibrated.toml", {});
+    EXPECT_EQ(calibrated.settings.effects.at(0).effect.value("coefficient"), drag);
+    for (const Soil& soil : calibrated.settings.soils) EXPECT_EQ(soil.restitution, restitution);
+}
+
 TEST(Calibrate, RefusesWhatCannotBeCalibrated) {
     const TempDir folder;
     put(folder / "zones.csv", "name,count,released\n3A,5,30\n4A,25,30\n");
@@ -146,11 +171,17 @@ TEST(Calibrate, RefusesWhatCannotBeCalibrated) {
                 HasSubstr("does not contain the value of the site, 0.04"));
     EXPECT_THAT(refused("soil.loose waste.restitution=0:1:log"), HasSubstr("must begin above 0"));
     EXPECT_THAT(refused("soil.loose waste.restitution=0:2"), HasSubstr("from 0 to 1"));
+    EXPECT_THAT(refused("soil.sand|loose.rolling=0.01:0.1"), HasSubstr("names no key of this site"));
     EXPECT_THAT(refused("terrain.resolution=0.5:2"), HasSubstr("cannot be calibrated"));
     EXPECT_THAT(refused("model.seed=1:20"), HasSubstr("cannot be calibrated"));
     EXPECT_THAT(refused("blocks.shape=hull"), HasSubstr("at least two choices"));
     EXPECT_THAT(refused("blocks.shape=hull,cube"), HasSubstr("cube"));
     EXPECT_THAT(refused("blocks.shape=box,eota"), HasSubstr("does not contain the choice of the site"));
+    const Outcome twice =
+        in_plane("calibrate", folder / "zones.csv", folder / "out",
+                 {"--free", "soil.loose waste.rolling=0.01:0.1", "--free", "soil.*.rolling=0.01:0.1"});
+    EXPECT_EQ(twice.code, 3);
+    EXPECT_THAT(twice.err, HasSubstr("frees what soil.loose waste.rolling frees a second time"));
     const Outcome nothing =
         in_plane("calibrate", folder / "zones.csv", folder / "out", {"--set", "calibration.free=[]"});
     EXPECT_EQ(nothing.code, 3);

@@ -5,6 +5,7 @@
 #include "cli/program.hpp"
 #include "cli/site_file.hpp"
 #include "gis/input_files.hpp"
+#include "scree/base/error.hpp"
 #include "support/paths.hpp"
 
 #include <gmock/gmock.h>
@@ -18,16 +19,9 @@ namespace {
 
 using testing::HasSubstr;
 
-/// quarry_a beside its data, with more at its end.
-std::string quarry_with(const TempDir& folder, const std::string& more) {
-    std::filesystem::create_directory_symlink(quarry_a() / "data", folder / "data");
-    put(folder / "site.toml", text_of(quarry_a() / "site.toml") + more);
-    return (folder / "site.toml").string();
-}
-
 Outcome check_with(const std::string& more) {
     const TempDir folder;
-    return scree_program({"check", quarry_with(folder, more)});
+    return scree_program({"check", quarry_with(folder.path(), more)});
 }
 
 struct Mistake {
@@ -75,7 +69,7 @@ TEST_P(EffectMistake, IsRefusedInOneSentence) {
 
 TEST(EffectKeys, ImpactsNeedTheEventMode) {
     const TempDir folder;
-    const std::string site = quarry_with(folder, "[[effect]]\nkind = \"roughness\"\n");
+    const std::string site = quarry_with(folder.path(), "[[effect]]\nkind = \"roughness\"\n");
     EXPECT_EQ(scree_program({"check", site}).code, 0);
     const Outcome outcome = scree_program({"check", site, "--set", "model.mode=moreau_jean"});
     EXPECT_EQ(outcome.code, 3);
@@ -85,7 +79,7 @@ TEST(EffectKeys, ImpactsNeedTheEventMode) {
 TEST(EffectKeys, ReachTheSite) {
     const TempDir folder;
     const std::string site =
-        quarry_with(folder,
+        quarry_with(folder.path(),
                     "[[effect]]\nkind = \"ground_drag\"\nsoil = \"loose waste\"\ncoefficient = 0.7\n"
                     "[[effect]]\nkind = \"soil_patch\"\nfile = \"data/deposit_zones.gpkg\"\n"
                     "friction = 0.3\n");
@@ -107,6 +101,29 @@ TEST(EffectKeys, ReachTheSite) {
     EXPECT_THAT(missing.err, HasSubstr("there is no [[effect]] called \"net\""));
 }
 
+TEST(EffectKeys, ChangeInMemoryAsInTheFileAndSeveralAtOnce) {
+    const TempDir folder;
+    const std::string site = quarry_with(folder.path(),
+                                         "[[effect]]\nkind = \"ground_drag\"\ncoefficient = 0.7\n"
+                                         "[[effect]]\nkind = \"ground_drag\"\ncoefficient = 0.1\n"
+                                         "[[effect]]\nkind = \"air_drag\"\n");
+    const std::vector<std::string> changes{"soil.*.rolling=0.3", "soil.loose waste|compact waste.friction=0.7",
+                                           "soil.1.restitution=0.2", "effect.ground_drag.coefficient=0.4",
+                                           "effect.1.coefficient=0.5"};
+    for (const cli::SiteFile& read :
+         {cli::read_site_file(site, changes), cli::with_changes(cli::read_site_file(site, {}), changes)}) {
+        const cli::SiteSettings& s = read.settings;
+        ASSERT_EQ(s.soils.size(), 2U);
+        for (const Soil& soil : s.soils) EXPECT_EQ(std::pair(soil.rolling, soil.friction), std::pair(0.3, 0.7));
+        EXPECT_EQ(s.soils[0].restitution, 0.0);
+        EXPECT_EQ(s.soils[1].restitution, 0.2);
+        EXPECT_EQ(s.effects[0].effect.value("coefficient"), 0.4);
+        EXPECT_EQ(s.effects[1].effect.value("coefficient"), 0.5);
+    }
+    for (const char* wrong : {"effect.net.height=3", "effect.ground_drag.size=3", "soil.rock|ice.rolling=1"})
+        EXPECT_THROW(cli::with_changes(cli::read_site_file(site, {}), {wrong}), InputError) << wrong;
+}
+
 // Every physical effect of the catalogue in one run; run.toml does the same run again.
 TEST(EffectRun, EveryPhysicalEffectAndTheRunAgain) {
     const TempDir folder;
@@ -120,7 +137,7 @@ TEST(EffectRun, EveryPhysicalEffectAndTheRunAgain) {
         if (info.kind == EffectKind::SoilPatch) more += "friction = 0.4\nfile = \"data/deposit_zones.gpkg\"\n";
         if (info.kind == EffectKind::Fragmentation) more += "speed = 3.0\n";
     }
-    const std::string site = quarry_with(folder, more);
+    const std::string site = quarry_with(folder.path(), more);
     const Outcome run = scree_program({"run", site, "--set", "release.count=12", "--threads", "1"});
     ASSERT_EQ(run.code, 0) << run.err;
     EXPECT_THAT(run.err, HasSubstr("crest"));  // the berm is narrow for cells of 1 m: said, not refused
@@ -134,7 +151,7 @@ TEST(EffectRun, EveryPhysicalEffectAndTheRunAgain) {
 TEST(EffectRun, InThePlaneToo) {
     const TempDir folder;
     const std::string site =
-        quarry_with(folder,
+        quarry_with(folder.path(),
                     "[[effect]]\nkind = \"ground_drag\"\nfrom = 5.0\nto = 40.0\ncoefficient = 1.0\n"
                     "[[effect]]\nkind = \"forest_drag\"\nfile = \"data/deposit_zones.gpkg\"\n"
                     "[[effect]]\nkind = \"net\"\nfrom = 60.0\ncapacity = 1e4\nheight = 30.0\n"
@@ -159,7 +176,7 @@ TEST(EffectRun, InThePlaneToo) {
 
 TEST(EffectRun, MeasurementEffectsLeaveTheRunAlone) {
     const TempDir folder;
-    const std::string site = quarry_with(folder, "[[effect]]\nkind = \"speed_error\"\n");
+    const std::string site = quarry_with(folder.path(), "[[effect]]\nkind = \"speed_error\"\n");
     const Outcome run = scree_program({"run", site, "--set", "release.count=2"});
     EXPECT_EQ(run.code, 0);
     EXPECT_THAT(run.err, HasSubstr("effect speed_error acts on simulated measurements only"));
@@ -183,7 +200,7 @@ TEST(EffectCatalogueCommand, DetailsEndWithAnEntryToCopy) {
         EXPECT_THAT(outcome.out, HasSubstr("formula"));
         EXPECT_THAT(outcome.out, HasSubstr("source"));
         const TempDir folder;
-        const std::string site = quarry_with(folder, outcome.out.substr(outcome.out.find("[[effect]]")));
+        const std::string site = quarry_with(folder.path(), outcome.out.substr(outcome.out.find("[[effect]]")));
         EXPECT_NO_THROW(cli::read_site_file(site, {})) << info.name;
     }
     const Outcome unknown = scree_program({"effects", "gravity"});

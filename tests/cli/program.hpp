@@ -29,8 +29,24 @@ inline Outcome scree_program(const std::vector<std::string>& args) {
     return outcome;
 }
 
+inline std::string text_of(const std::filesystem::path& file) {
+    std::ifstream in(file, std::ios::binary);
+    return {std::istreambuf_iterator<char>(in), {}};
+}
+
+inline void put(const std::filesystem::path& file, const std::string& text) {
+    std::ofstream(file, std::ios::binary) << text;
+}
+
 inline std::filesystem::path quarry_a() {
     return std::filesystem::path(SCREE_SOURCE_DIR) / "sample_sites" / "quarry_a";
+}
+
+/// quarry_a beside its data, with more at its end.
+inline std::string quarry_with(const std::filesystem::path& folder, const std::string& more) {
+    std::filesystem::create_directory_symlink(quarry_a() / "data", folder / "data");
+    put(folder / "site.toml", text_of(quarry_a() / "site.toml") + more);
+    return (folder / "site.toml").string();
 }
 
 /// `scree run` of quarry_a with 20 blocks into a folder, with more options.
@@ -39,15 +55,6 @@ inline Outcome run_quarry_a(const std::filesystem::path& output, const std::vect
         "run", (quarry_a() / "site.toml").string(), "--set", "release.count=20", "--output", output.string()};
     args.insert(args.end(), more.begin(), more.end());
     return scree_program(args);
-}
-
-inline std::string text_of(const std::filesystem::path& file) {
-    std::ifstream in(file, std::ios::binary);
-    return {std::istreambuf_iterator<char>(in), {}};
-}
-
-inline void put(const std::filesystem::path& file, const std::string& text) {
-    std::ofstream(file, std::ios::binary) << text;
 }
 
 }  // namespace scree::test
