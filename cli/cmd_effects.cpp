@@ -77,7 +77,9 @@ void print_effect(std::ostream& out, const EffectInfo& info) {
         line(p.key, value_text(p) + ", " + range_text({p.low, p.high}, "allowed") + ". " + p.meaning +
                         " Source: " + p.source + ".");
     }
-    out << "\n[[effect]]\n" << effect_as_toml({make_effect(info.kind), {}, {}}, [](const std::string& p) { return p; });
+    out << "\n[[effect]]\n"
+        << effect_as_toml({make_effect(info.kind), {}, {}, info.kind == EffectKind::OwnLaw ? "my_law.so" : ""},
+                          [](const std::string& p) { return p; });
 }
 
 }  // namespace

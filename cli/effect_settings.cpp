@@ -77,6 +77,9 @@ std::span<const Setting<EffectSettings>> effect_place_keys() {
         k.push_back(effect.text(
             "layer", [](EffectSettings & s) -> auto& { return s.place.layer; },
             "Layer of that file; empty if it has only one."));
+        k.push_back(effect.path(
+            "library", [](EffectSettings & s) -> auto& { return s.library; },
+            "Shared library of own_law, which needs one: include/scree/own_law.h says how to make it. Its code runs."));
         k.push_back(
             chainage("from", false, "2D: acts from this distance along the profile on; the place of a net or berm."));
         k.push_back(chainage("to", true, "2D: acts up to this distance along the profile."));
@@ -101,7 +104,8 @@ std::string effect_as_toml(const EffectSettings& effect, const std::function<std
     for (const auto& key : effect_place_keys()) {
         if (key.key == "kind") continue;
         std::string value = key.show(effect);
-        if (key.is_path && !effect.place.file.empty()) value = quoted(path(effect.place.file));
+        const std::string& file = key.key == "library" ? effect.library : effect.place.file;
+        if (key.is_path && !file.empty()) value = quoted(path(file));
         if (!value.empty() && value != quoted("")) text += key.key + " = " + value + "\n";
     }
     for (const auto& key : effect_keys(effect.effect.kind)) {

@@ -470,7 +470,7 @@ std::string settings_manual() {
     for (const EffectInfo& info : effect_catalogue()) {
         out << "\n`kind = \"" << info.name << "\"`: " << info.title
             << "\n\n| key | unit | default | allowed | meaning |\n|---|---|---|---|---|\n";
-        const EffectSettings standard{make_effect(info.kind), {}, {}};
+        const EffectSettings standard{make_effect(info.kind), {}, {}, {}};
         for (const auto& key : effect_keys(info.kind)) row(key, key.show(standard));
     }
     return out.str();

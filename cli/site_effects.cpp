@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // [[effect]] of the site file to effects with their places in the terrain's frame.
+#include "cli/own_law.hpp"
 #include "cli/site_terrain.hpp"
 #include "scree/base/error.hpp"
 
@@ -76,6 +77,15 @@ void load_effects(const SiteFile& site, SiteTerrain& terrain) {
             terrain.effect_inputs.push_back(site.resolve(given.place.file).string());
             terrain.effect_warnings.insert(terrain.effect_warnings.end(), data.report.warnings.begin(),
                                            data.report.warnings.end());
+        }
+        if (effect.kind == EffectKind::OwnLaw) {
+            if (given.library.empty())
+                throw InputError(where + " needs library, the shared library that holds the law");
+            const std::filesystem::path library = site.resolve(given.library);
+            effect.own = load_own_law(library, where);
+            terrain.effect_inputs.push_back(library.string());
+        } else if (!given.library.empty()) {
+            throw InputError(where + " takes no library: only own_law does");
         }
         if (info.limits.lines && effect.place.reaches) {  // a station along the profile
             effect.place.stations.push_back(effect.place.reaches->front().from);

@@ -35,8 +35,9 @@ struct VectorInput {
 /// One [[effect]]: the effect with its parameters, its place as the file says it.
 struct EffectSettings {
     Effect effect;
-    std::string soil;   ///< name of a [[soil]]; empty: all
-    VectorInput place;  ///< polygons, lines or points; empty: everywhere
+    std::string soil;     ///< name of a [[soil]]; empty: all
+    VectorInput place;    ///< polygons, lines or points; empty: everywhere
+    std::string library;  ///< of own_law
 };
 
 enum class AxisChoice { Measured, Azimuth, Line };

@@ -3,6 +3,7 @@
 #include "scree/dynamics/effects.hpp"
 
 #include "cli/program.hpp"
+#include "cli/results.hpp"
 #include "cli/site_file.hpp"
 #include "gis/input_files.hpp"
 #include "scree/base/error.hpp"
@@ -136,6 +137,7 @@ TEST(EffectRun, EveryPhysicalEffectAndTheRunAgain) {
         if (info.kind == EffectKind::Net) more += "capacity = 2.0\n";
         if (info.kind == EffectKind::SoilPatch) more += "friction = 0.4\nfile = \"data/deposit_zones.gpkg\"\n";
         if (info.kind == EffectKind::Fragmentation) more += "speed = 3.0\n";
+        if (info.kind == EffectKind::OwnLaw) more += "library = \"" SCREE_OWN_LAW "\"\na = 0.1\n";
     }
     const std::string site = quarry_with(folder.path(), more);
     const Outcome run = scree_program({"run", site, "--set", "release.count=12", "--threads", "1"});
@@ -145,6 +147,43 @@ TEST(EffectRun, EveryPhysicalEffectAndTheRunAgain) {
         {"run", (folder / "out/run.toml").string(), "--output", (folder / "again").string(), "--threads", "2"});
     ASSERT_EQ(again.code, 0) << again.err;
     EXPECT_EQ(text_of(folder / "out/results.gpkg"), text_of(folder / "again/results.gpkg"));
+}
+
+// A law in a library does what the effect of the catalogue does whose formula it has.
+TEST(OwnLaw, IsAnEffectLikeOthers) {
+    const TempDir folder;
+    const auto stops = [&](const std::string& name, const std::string& effect) {
+        const TempDir here;
+        const Outcome run = scree_program({"run", quarry_with(here.path(), "[[effect]]\n" + effect), "--set",
+                                           "release.count=10", "--output", (folder / name).string()});
+        EXPECT_EQ(run.code, 0) << run.err;
+        std::vector<double> runouts;
+        for (const PointRow& row : read_points(folder / name / "results.gpkg", "stopping_points"))
+            runouts.push_back(row.number("runout_m"));
+        return runouts;
+    };
+    const std::string library = "library = \"" SCREE_OWN_LAW "\"\n";
+    const auto drag = stops("drag", "kind = \"ground_drag\"\ncoefficient = 0.3\n");
+    EXPECT_THAT(stops("own drag", "kind = \"own_law\"\na = 0.3\n" + library), testing::ContainerEq(drag));
+    const auto rolling =
+        stops("rolling", "kind = \"rolling_speed\"\nspeed = 5.0\nexponent = 1.0\nsoil = \"loose waste\"\n");
+    EXPECT_THAT(stops("own rolling", "kind = \"own_law\"\nb = 5.0\nsoil = \"loose waste\"\n" + library),
+                testing::ContainerEq(rolling));
+    EXPECT_NE(drag, rolling);
+    EXPECT_THAT(text_of(folder / "own drag" / "run.toml"), HasSubstr("library = "));
+}
+
+TEST(OwnLaw, RefusesWhatIsNone) {
+    EXPECT_THAT(check_with("[[effect]]\nkind = \"own_law\"\n").err, HasSubstr("effect own_law needs library"));
+    EXPECT_THAT(check_with("[[effect]]\nkind = \"own_law\"\nlibrary = \"nowhere.so\"\n").err,
+                HasSubstr("cannot load the library"));
+    EXPECT_THAT(check_with("[[effect]]\nkind = \"own_law\"\nlibrary = \"data/dtm.tif\"\n").err,
+                HasSubstr("cannot load the library"));
+    EXPECT_THAT(check_with("[[effect]]\nkind = \"own_law\"\nlibrary = \"libm.so.6\"\n").err,
+                HasSubstr("cannot load the library"))
+        << "it is looked for beside the site file only";
+    EXPECT_THAT(check_with("[[effect]]\nkind = \"air_drag\"\nlibrary = \"" SCREE_OWN_LAW "\"\n").err,
+                HasSubstr("takes no library"));
 }
 
 // The same in 2D, with places by chainage and from the map.

@@ -57,6 +57,16 @@ Effect strong(EffectKind kind) {
     if (kind == EffectKind::Trees) effect.set("strength", 0.05);
     if (kind == EffectKind::Fragmentation) effect.set("speed", 3.0);
     if (kind == EffectKind::Fragmentation) effect.set("most", 3.0);
+    if (kind == EffectKind::OwnLaw) {
+        effect.set("a", 1.0);
+        effect.own.contact_law = [](const scree_contact_state* s, scree_contact_law_values* law) {
+            law->restitution += s->number[0];  // as if it would create energy
+            law->friction *= 1.0 + s->number[0] * s->draw;
+        };
+        effect.own.ground_drag = [](const scree_contact_state* s, scree_ground_drag_values* drag) {
+            drag->linear = -s->number[0];
+        };
+    }
     return effect;
 }
 
@@ -141,8 +151,8 @@ TEST_P(EveryEffect, ChangesTheMotion) {
 TEST_P(EveryEffect, IsTheContactLawWhereNeutral) {
     const EffectInfo& info = effect_info(GetParam());
     Effect effect = strong(GetParam());
-    if (GetParam() == EffectKind::SoilPatch) effect.values = make_effect(GetParam()).values;
-    bool neutral = GetParam() == EffectKind::SoilPatch;
+    bool neutral = GetParam() == EffectKind::SoilPatch || GetParam() == EffectKind::OwnLaw;  // by their standard values
+    if (neutral) effect.values = make_effect(GetParam()).values;
     for (std::size_t k = 0; k < info.parameters.size() && !neutral; ++k) {
         if (std::isnan(info.parameters[k].neutral)) continue;
         effect.values[k] = info.parameters[k].neutral;

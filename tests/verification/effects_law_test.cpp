@@ -255,4 +255,45 @@ TYPED_TEST(EffectLaw, RoughnessActsAtTheInstantOfAnImpactOnly) {
     EXPECT_LT(lifted, 30);  // about half of the bumps face the block
 }
 
+// The functions of scree/own_law.h: what a law sees, and that it cannot create energy.
+TYPED_TEST(EffectLaw, OwnLawSeesTheContactAndIsKeptWithinBounds) {
+    static scree_contact_state seen;
+    this->ball.soil = {"slope", 0.5, 0.3, 0.01};
+    Effect own = effect_with(EffectKind::OwnLaw, {{"c", 0.7}});
+    own.own.contact_law = [](const scree_contact_state* s, scree_contact_law_values* law) {
+        if (s->approach > seen.approach) seen = *s;
+        law->restitution = s->number[2];
+    };
+    this->ball.effects = {own};
+    seen = {};
+    const auto [before, after] = this->bounce(1.0);
+    EXPECT_NEAR(after, 0.7 * before, 1e-9);
+    EXPECT_NEAR(seen.approach, before, 1e-9);
+    EXPECT_NEAR(seen.velocity[2], -before, 1e-9);
+    EXPECT_EQ(seen.velocity[1], 0.0);
+    EXPECT_NEAR(seen.position[2], 0.0, 1e-6);
+    EXPECT_EQ(seen.normal[2], 1.0);
+    EXPECT_EQ(seen.mass, this->ball.mass);
+    EXPECT_EQ(seen.number[2], 0.7);
+    EXPECT_TRUE(seen.draw >= 0.0 && seen.draw < 1.0);
+
+    own.own.contact_law = [](const scree_contact_state*, scree_contact_law_values* law) { *law = {7.0, -1.0, -1.0}; };
+    this->ball.effects = {own};
+    const auto [fall, rise] = this->bounce(1.0);
+    EXPECT_NEAR(rise, fall, 1e-9) << "e is cut to 1";
+
+    // drag without friction on a slope: the closed form of ground_drag, and none that pushes
+    this->ball.slope.angle = 30 * kDegree;
+    this->ball.soil = {"slope", 0.0, 0.0, 0.0};
+    own.own.contact_law = nullptr;
+    own.own.ground_drag = [](const scree_contact_state* s, scree_ground_drag_values* drag) {
+        drag->linear = s->number[2];
+    };
+    this->ball.effects = {own};
+    EXPECT_NEAR(this->speed_after(0.0, 0.0, false, 2.0), g * 0.5 * (1.0 - std::exp(-0.7 * 2.0)) / 0.7, 1e-6);
+    own.set("c", -0.7);
+    this->ball.effects = {own};
+    EXPECT_NEAR(this->speed_after(0.0, 0.0, false, 2.0), g * 0.5 * 2.0, 1e-6);
+}
+
 }  // namespace scree::test

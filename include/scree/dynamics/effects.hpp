@@ -6,6 +6,7 @@
 #include "scree/geometry/profile.hpp"
 #include "scree/geometry/region.hpp"
 #include "scree/geometry/triangle_mesh.hpp"
+#include "scree/own_law.h"
 
 #include <array>
 #include <cstdint>
@@ -40,6 +41,7 @@ enum class EffectKind : std::uint8_t {
     Net,
     Berm,
     Fragmentation,
+    OwnLaw,
     ReleaseMotion,
     BlockShape,
     SpeedError,
@@ -49,7 +51,7 @@ enum class EffectKind : std::uint8_t {
     IdsShuffled,
     HeightDatum
 };
-inline constexpr std::size_t kEffectKinds = 27;
+inline constexpr std::size_t kEffectKinds = 28;
 
 /// Where an effect takes hold.
 enum class EffectHook : std::uint8_t {
@@ -137,11 +139,19 @@ struct EffectPlace {
     double first_line(const Eigen::Matrix<double, 1, 1>& from, const Eigen::Matrix<double, 1, 1>& to) const;
 };
 
+/// The functions of the effect `own_law`, see scree/own_law.h; what is absent does nothing.
+struct OwnLaw {
+    decltype(&scree_contact_law) contact_law = nullptr;
+    decltype(&scree_ground_drag) ground_drag = nullptr;
+    std::shared_ptr<void> library;  ///< that holds them
+};
+
 /// One effect, switched on.
 struct Effect {
     EffectKind kind = EffectKind::GroundDrag;
     std::array<double, kMostEffectParameters> values{};  ///< in the order of the catalogue's parameters [*]
     EffectPlace place;
+    OwnLaw own;
 
     /// By the parameter's name; an unknown name is a programmer's mistake.
     double value(std::string_view key) const;

@@ -35,6 +35,19 @@ double entry(const Vec2& a, const Vec2& b, const Vec2& centre, double radius, do
     return s > 0.0 && s <= 1.0 ? s : kInfinity;
 }
 
+/// Within [0, high]; what is no number stays so.
+double clamped(double value, double high = kInfinity) {
+    return value < 0.0 ? 0.0 : value > high ? high : value;
+}
+
+/// As scree/own_law.h has vectors.
+void put(const Vec3& v, double (&to)[3]) {
+    std::copy_n(v.data(), 3, to);
+}
+void put(const Vec2& v, double (&to)[3]) {
+    put(Vec3(v.x(), 0.0, v.y()), to);
+}
+
 }  // namespace
 
 template <int Dim>
@@ -45,9 +58,14 @@ BlockEffects<Dim>::BlockEffects(const EffectInput& input, const EffectBody& body
     for (const Effect& effect : input.effects) {
         if (!acts_on_motion(effect.kind)) continue;
         const EffectInfo& info = effect_info(effect.kind);
-        Part part{effect.kind, info.hook, &effect.place, effect.values,
+        Part part{effect.kind,
+                  info.hook,
+                  &effect.place,
+                  &effect.own,
+                  effect.values,
                   effect_stream(input.seed, effect.kind, number[static_cast<std::size_t>(effect.kind)]++, input.block)};
         if (effect.kind == EffectKind::Trees) draw_next_tree(part);
+        if (effect.kind == EffectKind::OwnLaw) part.memory = part.random.uniform();
         parts_.push_back(part);
         watches_flight_ = watches_flight_ || info.hook == EffectHook::Force || info.hook == EffectHook::Crossing;
     }
@@ -91,11 +109,35 @@ ContactLaw BlockEffects<Dim>::law(const Contact<Dim>& contact, const State& s, d
             case EffectKind::LowFriction:
                 law.friction = std::min(law.friction, v[0]);
                 break;
+            case EffectKind::OwnLaw:
+                if (p.own->contact_law) {
+                    scree_contact_state state = contact_state(p, s, s.position + contact.arm);
+                    put(contact.normal, state.normal);
+                    state.approach = approach;
+                    scree_contact_law_values own{law.restitution, law.friction, law.rolling};
+                    p.own->contact_law(&state, &own);
+                    law = {clamped(own.restitution, 1.0), clamped(own.friction), clamped(own.rolling)};
+                }
+                break;
             default:
                 break;
         }
     }
     return law;
+}
+
+template <int Dim>
+scree_contact_state BlockEffects<Dim>::contact_state(const Part& part, const State& s, const Vec& at) const {
+    scree_contact_state state{};
+    put(at, state.position);
+    put(Vec(Vec::Unit(Dim - 1)), state.normal);
+    put(s.velocity, state.velocity);
+    state.spin = s.spin.norm();
+    state.mass = body_.mass;
+    state.length = body_.length;
+    state.draw = part.memory;
+    std::copy(part.value.begin(), part.value.end(), state.number);
+    return state;
 }
 
 template <int Dim>
@@ -191,17 +233,24 @@ Drag BlockEffects<Dim>::drag_at(const Vec& position) const {
 }
 
 template <int Dim>
-Drag BlockEffects<Dim>::drag_in_contact(std::span<const Contact<Dim>> contacts, const Vec& position) const {
+Drag BlockEffects<Dim>::drag_in_contact(std::span<const Contact<Dim>> contacts, const State& s) const {
     Drag drag;
     for (const Part& p : parts_) {
-        if (p.hook != EffectHook::ContactForce) continue;
+        const bool own = p.kind == EffectKind::OwnLaw && p.own->ground_drag;
+        if (p.hook != EffectHook::ContactForce && !own) continue;
         if (std::none_of(contacts.begin(), contacts.end(),
-                         [&](const Contact<Dim>& c) { return p.place->covers(c.soil, plan(position + c.arm)); }))
+                         [&](const Contact<Dim>& c) { return p.place->covers(c.soil, plan(s.position + c.arm)); }))
             continue;
         if (p.kind == EffectKind::GroundDrag) drag.linear += p.value[0];
         if (p.kind == EffectKind::GroundDragQuadratic) drag.quadratic += p.value[0];
         if (p.kind == EffectKind::ScarDragReduced) drag.quadratic += p.value[0] / body_.length;
         if (p.kind == EffectKind::ScarDrag) drag.quadratic += scar_drag(p);
+        if (own) {
+            const scree_contact_state state = contact_state(p, s, s.position);
+            scree_ground_drag_values values{};
+            p.own->ground_drag(&state, &values);
+            drag += Drag{clamped(values.linear), clamped(values.quadratic)};
+        }
     }
     return drag;
 }
@@ -209,7 +258,7 @@ Drag BlockEffects<Dim>::drag_in_contact(std::span<const Contact<Dim>> contacts, 
 template <int Dim>
 typename BlockEffects<Dim>::Vec BlockEffects<Dim>::drive(double h, std::span<const Contact<Dim>> contacts,
                                                          State& s) const {
-    Drag drag = drag_in_contact(contacts, s.position);
+    Drag drag = drag_in_contact(contacts, s);
     if (watches_flight_) drag += drag_at(s.position);
     const double x = drag.rate(s.velocity.norm()) * h;
     if (x <= 0.0) return gravity_;

@@ -86,9 +86,11 @@ private:
         EffectKind kind;
         EffectHook hook;
         const EffectPlace* place;
+        const OwnLaw* own;
         std::array<double, kMostEffectParameters> value;  ///< in the order of the catalogue [*]
         RandomStream random;
-        double memory = 0.0;   ///< slip [m]; depth of the scar [m]; way to the next tree [m]; breaks so far [-]
+        double memory =
+            0.0;  ///< slip [m]; depth of the scar [m]; way to the next tree [m]; breaks so far; number drawn [-]
         double memory2 = 0.0;  ///< way since the scar was made [m]
     };
     static Plan plan(const Vec& p) { return p.template head<Dim - 1>(); }
@@ -96,7 +98,8 @@ private:
     bool acts_on_flight_at(const Part& part, const Vec& p) const;
     double scar_drag(const Part& part) const;
     Drag drag_at(const Vec& position) const;
-    Drag drag_in_contact(std::span<const Contact<Dim>> contacts, const Vec& position) const;
+    Drag drag_in_contact(std::span<const Contact<Dim>> contacts, const State& s) const;
+    scree_contact_state contact_state(const Part& part, const State& s, const Vec& at) const;
     double next_tree(const Part& part, const Vec& from, const Vec& to, double& offset) const;
     double first_change(const Vec& from, const Vec& to) const;
     double change_time(const State& s, const DragFlight<Dim>& flight) const;

@@ -94,6 +94,10 @@ constexpr P kFragmentation[] = {
     {"share", "-", 0.5, 0.01, 1.0, 1.0, "Of the volume in the largest piece, which goes on.",
      "0.1 to 0.6 in quarry tests"},
     {"most", "-", 1.0, 1.0, 100.0, kNo, "How often a block may break.", kChoice}};
+constexpr P kOwnLaw[] = {{"a", "-", 0.0, -1e9, 1e9, kNo, "A number that the law is given.", kChoice},
+                         {"b", "-", 0.0, -1e9, 1e9, kNo, "Another.", kChoice},
+                         {"c", "-", 0.0, -1e9, 1e9, kNo, "Another.", kChoice},
+                         {"d", "-", 0.0, -1e9, 1e9, kNo, "Another.", kChoice}};
 constexpr P kReleaseMotion[] = {
     {"speed", "m/s", 2.0, 0.0, 50.0, 0.0, "Added at the start, down the slope.", "0 to 6 m/s"},
     {"spin", "rad/s", 0.0, 0.0, 100.0, 0.0, "Added at the start, in the sense of rolling down the slope.", kChoice}};
@@ -207,6 +211,12 @@ constexpr EffectInfo kCatalogue[] = {
      "threshold on the normal speed; compare RockGIS (Matas et al. 2017)",
      "mass of stopped blocks, two groups of stops", "The largest piece is followed, the others are not.",
      kFragmentation},
+    {K::OwnLaw, "own_law", "a law of your own", H::ContactLaw, kOnGround,
+     "what the library says: e, mu, mu_r of a contact and a drag while in contact, as functions of the state",
+     "include/scree/own_law.h", "what it changes",
+     "`library` names a shared library with the functions; its code runs inside scree. Never searched by scree "
+     "diagnose.",
+     kOwnLaw},
     {K::ReleaseMotion, "release_motion", "blocks start with a push", H::Release, kAnywhere,
      "v0 + speed along the steepest fall of the ground (over 2 m on each side), spin about the horizontal across it",
      "kinematics", "speeds at the first screen", "", kReleaseMotion},
