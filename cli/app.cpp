@@ -124,8 +124,10 @@ void add_options(CLI::App& sub, const Command& command, Context& context) {
     }
     if (name == "diagnose") {
         sub.add_flag("--full", context.full, "Three times the simulations: weaker effects, more certain names");
-        sub.add_flag("--plan", context.plan,
-                     "Nothing is measured yet: what a test with release.count blocks and these instruments could see");
+        sub.add_flag(
+            "--plan", context.plan,
+            "Nothing is measured yet: what a test of release.count blocks, such as --set release.count=50, with "
+            "these instruments could see");
         sub.add_option("--instruments", context.instruments,
                        "With --plan, what would be measured of each block: stops, and at the screens speed, height, "
                        "spin (default stops,speed)")

@@ -56,18 +56,20 @@ std::vector<std::size_t> by_size(const Eigen::VectorXd& values) {
     return order;
 }
 
-/// "mean 9.8 measured, 12.4 simulated [m/s]" of a column that is an observable.
-std::string in_units(const DiagnoseStudy& study, const Column& column) {
-    for (const ComparedObservable& o : study.before.observables)
-        if (o.gap.observable.columns.size() == 1 && o.gap.observable.columns.front() == column && !o.measured.empty() &&
-            o.measured_share.of == 0)
-            return ": mean " + short_number(o.measured_summary.mean) + " measured, " +
-                   short_number(o.simulated_summary.mean) + " simulated [" + o.unit + "]";
-    for (const ComparedObservable& o : study.before.observables)
-        if (o.gap.observable.columns.size() == 1 && o.gap.observable.columns.front() == column &&
-            o.measured_share.of > 0)
-            return ": " + short_number(100.0 * o.measured_share.share()) + " % measured, " +
-                   short_number(100.0 * o.simulated_share.share()) + " % simulated";
+/// ": mean 9.8 measured, 12.4 simulated [m/s]" of a column that is an observable. Residuals count after the parameters have fitted the rest as well as they
+/// can: where that turns the sign round, the calibrated model's own numbers would contradict the sentence.
+std::string in_units(const DiagnoseStudy& study, const Column& column, bool more) {
+    for (const ComparedObservable& o : study.before.observables) {
+        if (o.gap.observable.columns.size() != 1 || o.gap.observable.columns.front() != column) continue;
+        const bool share = o.measured_share.of > 0;
+        if (!share && o.measured.empty()) continue;
+        const double measured = share ? 100.0 * o.measured_share.share() : o.measured_summary.mean,
+                     simulated = share ? 100.0 * o.simulated_share.share() : o.simulated_summary.mean;
+        if ((measured > simulated) != more) return ", once the parameters fit the rest";
+        return share ? ": " + short_number(measured) + " % measured, " + short_number(simulated) + " % simulated"
+                     : ": mean " + short_number(measured) + " measured, " + short_number(simulated) + " simulated [" +
+                           o.unit + "]";
+    }
     return "";
 }
 
@@ -174,11 +176,11 @@ std::vector<std::string> where_sentences(const DiagnoseStudy& study) {
         if (d.test.residual_p[i] > study.settings.level || sentences.size() == kMostSentences) break;
         const double s = d.score.standardised[i];
         const Residual& r = d.residuals[k];
-        sentences.push_back(subject_of(r, study.screens) + " " + direction(r, s > 0.0) +
-                            (r.kind == ResidualKind::Level || r.kind == ResidualKind::Passed ? in_units(study, r.column)
-                                                                                             : std::string()) +
-                            " (" + short_number(std::abs(s)) +
-                            " standard deviations, p = " + p_text(d.test.residual_p[i]) + ")");
+        sentences.push_back(
+            subject_of(r, study.screens) + " " + direction(r, s > 0.0) +
+            (r.kind == ResidualKind::Level || r.kind == ResidualKind::Passed ? in_units(study, r.column, s > 0.0)
+                                                                             : std::string()) +
+            " (" + short_number(std::abs(s)) + " standard deviations, p = " + p_text(d.test.residual_p[i]) + ")");
     }
     return sentences;
 }

@@ -217,11 +217,16 @@ std::string Runner::journal_subject(const std::string& name) const {
     return "{\"diagnosis\":\"" + quoted + "\"}";
 }
 
+/// Those with ids, else as many as were thrown.
+std::size_t measured_blocks(const Observations& o) {
+    return o.matched ? o.blocks.size() : static_cast<std::size_t>(std::max<std::int64_t>(o.thrown, 0));
+}
+
 }  // namespace
 
 void run_study(const DiagnoseInput& input, DiagnoseStudy& study) {
     study.audit = input.observed.findings;
-    study.blocks = input.observed.observations.blocks.size();
+    study.blocks = measured_blocks(input.observed.observations);
     study.screens = input.observed.op.screens;
     study.in_plane = input.model.in_plane();
     if (input.observed.has_errors()) {
@@ -233,7 +238,7 @@ void run_study(const DiagnoseInput& input, DiagnoseStudy& study) {
 
 void plan_study(const DiagnoseInput& input, DiagnoseStudy& study) {
     study.planning = true;
-    study.blocks = input.observed.observations.blocks.size();
+    study.blocks = measured_blocks(input.observed.observations);
     study.screens = input.observed.op.screens;
     study.in_plane = input.model.in_plane();
     Runner(input, study).plan_test();

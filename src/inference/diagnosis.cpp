@@ -41,14 +41,9 @@ struct Hypothesis {
     Eigen::VectorXd parameters;
     double strength = 0.0;
     double strength_deviation = kNaN;
-    double misfit = kInfinity;  ///< q + log det S [-]
-    double q = kInfinity;       ///< what is left [-]
+    double q = kInfinity;  ///< what is left [-]
     double p = 0.0;
 };
-
-double log_determinant(const Eigen::LLT<Eigen::MatrixXd>& factor) {
-    return 2.0 * factor.matrixL().toDenseMatrix().diagonal().array().log().sum();
-}
 
 class Diagnoser {
 public:
@@ -83,7 +78,7 @@ private:
     void weigh(Diagnosis& d, std::vector<Hypothesis>& followed) const;
     void conclude(Diagnosis& d) const;
     double goodness_of_fit(const ResidualRows& rows, const Eigen::MatrixXd& covariance,
-                           const Eigen::MatrixXd& directions, const Eigen::VectorXd& left) const;
+                           const Eigen::MatrixXd& directions, const ResidualMean& observed) const;
 
     const DiagnosisProblem& problem_;
     const ObservationTable& measured_;
@@ -272,38 +267,44 @@ std::vector<Hypothesis> Diagnoser::finalists(const Diagnosis& d) const {
     return chosen;
 }
 
-/// Gauss-Newton on parameters and strength in residual space, with a simulation at every point; derivatives learn from them (Broyden 1965), steps that lead
-/// to worse are halved. The last simulation has as many repeats as the reference and judges: what is left of the measured residual there, with its mean
-/// and covariance, parameters and strength free.
+/// Gauss-Newton on parameters and strength, with a simulation at every point. Each point has the residual space of its own simulation: far from the
+/// calibrated model, whose probabilities have run into 0 and 1, that still tells by how much. Derivatives are those at the calibrated model and learn
+/// from the way (Broyden 1965); steps that lead to worse are halved. The last simulation has as many repeats as the reference and judges: what is left of the measured
+/// residual there, parameters and strength free.
 bool Diagnoser::follow(Hypothesis& h) {
     const EffectDose& variant = variants_[h.fingerprint];
     const double most = problem_.effects[variant.effect].variants[variant.variant].most;
     const Eigen::Index count = calibrated_.size();
     Eigen::MatrixXd directions(observed_.mean.size(), count + 1);
     directions << jacobian_, test_->fingerprints()[h.fingerprint].change;
-    Eigen::VectorXd prior(count + 1), start(count + 1);
+    Eigen::VectorXd prior(count + 1), scale(count + 1), start(count + 1);
     prior << deviation_.array().square().inverse().matrix(), 0.0;
+    scale << deviation_.array().square().inverse().matrix(), 1.0;
     start << calibrated_, 0.0;
     struct Point {
         Eigen::VectorXd at;
-        ResidualRows rows;
+        ResidualRows rows;           ///< of its simulation
         Eigen::MatrixXd covariance;  ///< of rows
-        Eigen::VectorXd mean;        ///< of rows
+        ResidualMean observed;
         double misfit = kInfinity;
+        Eigen::LLT<Eigen::MatrixXd> factor() const {
+            return Eigen::LLT<Eigen::MatrixXd>(mean_covariance(covariance, observed.together));
+        }
     };
     const auto judge = [&](Point& p) {
-        const Eigen::LLT<Eigen::MatrixXd> factor(mean_covariance(p.covariance, observed_.together));
-        const Eigen::VectorXd left = observed_.mean - p.mean, moved = p.at - start;
-        p.misfit = left.dot(factor.solve(left)) + log_determinant(factor) + moved.dot(prior.cwiseProduct(moved));
+        const Eigen::VectorXd moved = p.at - start;
+        p.misfit = p.observed.mean.dot(p.factor().solve(p.observed.mean)) + moved.dot(prior.cwiseProduct(moved));
     };
     const auto look = [&](Point& p, std::int64_t repeats) {
         EffectDose dose = variant;
         dose.strength = p.at[count];
-        const auto table = simulate("finalists", p.at.head(count), {dose}, repeats);
+        auto table = simulate("finalists", p.at.head(count), {dose}, repeats);
         if (!table) return false;
-        p.rows = space_->of(*table);
+        const ResidualSpace space(std::move(*table), measured_, problem_.blocks, settings_.residuals,
+                                  space_->residuals());
+        p.rows = space.of_reference();
         p.covariance = row_covariance(p.rows);
-        p.mean = mean_residual(p.rows).mean;
+        p.observed = mean_residual(space.of(measured_));
         judge(p);
         return true;
     };
@@ -312,11 +313,10 @@ bool Diagnoser::follow(Hypothesis& h) {
         double strength_deviation = kNaN, gain = 0.0;
     };
     const auto step_from = [&](const Point& p, double share) {
-        const Eigen::LLT<Eigen::MatrixXd> factor(mean_covariance(p.covariance, observed_.together));
-        const Eigen::MatrixXd WD = factor.solve(directions);
+        const Eigen::MatrixXd WD = p.factor().solve(directions);
         Eigen::MatrixXd information = directions.transpose() * WD;
         information.diagonal() += prior;
-        const Eigen::VectorXd pull = WD.transpose() * (observed_.mean - p.mean), moved = p.at - start;
+        const Eigen::VectorXd pull = WD.transpose() * p.observed.mean, moved = p.at - start;
         Step step;
         step.to = p.at + share * information.ldlt().solve(pull - prior.cwiseProduct(moved));
         step.to.head(count) = within_ranges(step.to.head(count));
@@ -326,59 +326,51 @@ bool Diagnoser::follow(Hypothesis& h) {
         return step;
     };
 
-    Point now{start, space_->of_reference(), row_covariance(space_->of_reference()),
-              Eigen::VectorXd::Zero(observed_.mean.size()), kInfinity};
+    Point now{start, space_->of_reference(), row_covariance(space_->of_reference()), observed_, kInfinity};
     judge(now);
-    const auto now_factor = [&] {
-        return Eigen::LLT<Eigen::MatrixXd>(mean_covariance(now.covariance, observed_.together));
-    };
     double share = 1.0;
     for (int round = 0; round < settings_.rounds; ++round) {
+        const Step step = step_from(now, share);
+        if (round > 0 && step.gain < kSettled) break;
         Point next;
-        next.at = step_from(now, share).to;
+        next.at = step.to;
         if (!look(next, settings_.repeats)) return false;
-        const Eigen::VectorXd way = next.at - now.at;
-        const Eigen::VectorXd foreseen = directions * way;
-        if (foreseen.dot(now_factor().solve(foreseen)) > kWorthLearning)
-            directions += (next.mean - now.mean - foreseen) * way.transpose() / way.squaredNorm();
+        const Eigen::VectorXd way = next.at - now.at, foreseen = directions * way, weighed = scale.cwiseProduct(way);
+        if (foreseen.dot(now.factor().solve(foreseen)) > kWorthLearning)
+            directions += (now.observed.mean - next.observed.mean - foreseen) * weighed.transpose() / way.dot(weighed);
         const double better = now.misfit - next.misfit;
         if (better > 0.0) now = std::move(next);
         share = better > 0.0 ? std::min(1.0, 2.0 * share) : 0.5 * share;
-        if (std::abs(better) < kSettled) break;
+        if (better >= 0.0 && better < kSettled) break;
     }
+    if (now.at[count] == 0.0) now.at[count] = kLeastStrength * most;
     if (!look(now, settings_.reference_repeats)) return false;
-    const Eigen::LLT<Eigen::MatrixXd> factor(mean_covariance(now.covariance, observed_.together));
-    const Eigen::VectorXd left = observed_.mean - now.mean;
     const Step last = step_from(now, 1.0);
-    h.q = left.dot(factor.solve(left)) - last.gain;
-    h.misfit = h.q + log_determinant(factor);
+    h.q = now.observed.mean.dot(now.factor().solve(now.observed.mean)) - last.gain;
     h.parameters = last.to.head(count);
     h.strength = last.to[count];
     h.strength_deviation = last.strength_deviation;
-    h.p = goodness_of_fit(now.rows, now.covariance, directions, left);
+    h.p = goodness_of_fit(now.rows, now.covariance, directions, now.observed);
     return true;
 }
 
 /// How often as many rows of the simulation itself leave as much, with parameters and strength free for them, too.
 double Diagnoser::goodness_of_fit(const ResidualRows& rows, const Eigen::MatrixXd& covariance,
-                                  const Eigen::MatrixXd& directions, const Eigen::VectorXd& left) const {
+                                  const Eigen::MatrixXd& directions, const ResidualMean& observed) const {
     const ScoreTest own(covariance, directions.leftCols(directions.cols() - 1), deviation_,
                         {{directions.rightCols(1), kInfinity}});
     auto misfit = [&](const ResidualMean& r) {
         const ScoreResult s = own(r);
         return s.q - s.z[0] * s.z[0];
     };
-    const double measured = misfit({left, observed_.together});
-    const Eigen::VectorXd mean = mean_residual(rows).mean;
+    const double measured = misfit(observed);
     std::int64_t at_least = 0;
     for (std::int64_t k = 0; k < kFitDraws; ++k) {
         RandomStream random(settings_.seed, static_cast<std::uint64_t>(k), RandomPurpose::Resampling);
         ResidualRows drawn(static_cast<Eigen::Index>(measured_.rows()), rows.cols());
         for (Eigen::Index i = 0; i < drawn.rows(); ++i)
             drawn.row(i) = rows.row(static_cast<Eigen::Index>(random.below(static_cast<std::uint64_t>(rows.rows()))));
-        ResidualMean r = mean_residual(drawn);
-        r.mean -= mean;
-        if (misfit(r) >= measured) ++at_least;
+        if (misfit(mean_residual(drawn)) >= measured) ++at_least;
     }
     return static_cast<double>(at_least + 1) / static_cast<double>(kFitDraws + 1);
 }
@@ -396,7 +388,7 @@ void Diagnoser::weigh(Diagnosis& d, std::vector<Hypothesis>& followed) const {
         return std::log(std::min(1.0, strength) * (1.0 - settings_.prior_none) /
                         static_cast<double>(problem_.effects.size() * effect.variants.size()));
     };
-    for (const Hypothesis& h : followed) log_weight.push_back(-0.5 * h.misfit + price(h));
+    for (const Hypothesis& h : followed) log_weight.push_back(-0.5 * h.q + price(h));
     const auto best =
         static_cast<std::size_t>(std::max_element(log_weight.begin(), log_weight.end()) - log_weight.begin());
     const double z = d.score.z[static_cast<Eigen::Index>(followed[best].fingerprint)];

@@ -49,7 +49,8 @@ double tie_breaker(std::uint64_t seed, std::size_t row, std::size_t column) {
 }  // namespace
 
 ResidualSpace::ResidualSpace(ObservationTable reference, const ObservationTable& measured,
-                             std::span<const ObservedBlock> blocks, const ResidualSettings& settings)
+                             std::span<const ObservedBlock> blocks, const ResidualSettings& settings,
+                             std::span<const Residual> residuals)
     : reference_(std::move(reference)), settings_(settings) {
     SCREE_ASSERT(reference_.columns == measured.columns);
     std::vector<double> mass, shape, order;
@@ -76,7 +77,7 @@ ResidualSpace::ResidualSpace(ObservationTable reference, const ObservationTable&
         }
         for (auto& values : sorted_[k]) std::sort(values.begin(), values.end());
     }
-    choose(measured, settings);
+    choose(measured, settings, residuals);
     own_ = raw(reference_, true);
     mean_ = Eigen::VectorXd::Zero(own_.cols());
     for (Eigen::Index k = 0; k < own_.cols(); ++k) {
@@ -97,7 +98,8 @@ std::size_t ResidualSpace::stratum(std::int32_t block) const {
     return static_cast<std::size_t>(block + 1);
 }
 
-void ResidualSpace::choose(const ObservationTable& measured, const ResidualSettings& settings) {
+void ResidualSpace::choose(const ObservationTable& measured, const ResidualSettings& settings,
+                           std::span<const Residual> residuals) {
     std::vector<Residual> wanted;
     std::vector<Column> levels;
     std::vector<Column> screens;  // that recorded speeds, in their order along the path
@@ -143,6 +145,7 @@ void ResidualSpace::choose(const ObservationTable& measured, const ResidualSetti
         if (!wanted.empty() && wanted.back().kind == ResidualKind::Window)
             wanted.pop_back();  // the shares of all windows sum to one
     }
+    if (!residuals.empty()) wanted.assign(residuals.begin(), residuals.end());
     for (const Residual& r : wanted) {
         if (r.kind != ResidualKind::Innovation) continue;
         ByState state{r.other, r.column, {}, {}};
@@ -158,6 +161,7 @@ void ResidualSpace::choose(const ObservationTable& measured, const ResidualSetti
         states_.push_back(std::move(state));
     }
     residuals_ = wanted;
+    if (!residuals.empty()) return;
     const ResidualRows rows = raw(measured, false);
     residuals_.clear();
     for (std::size_t k = 0; k < wanted.size(); ++k) {

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // scree diagnose on quarry_a in 2D, with budgets that are small and faults that are large: how often it is right is for the blind cases.
+#include "cli/process.hpp"
 #include "cli/program.hpp"
 #include "cli/results.hpp"
 #include "support/paths.hpp"
@@ -20,19 +21,23 @@ using testing::IsEmpty;
 using testing::Not;
 namespace fs = std::filesystem;
 
+/// Of truth and model alike: half the work.
+constexpr const char* kStep = "model.time_step=8e-3";
+
 /// A field test: quarry_a with another seed.
 fs::path field_test(const fs::path& folder, int blocks) {
     std::vector<std::string> args{
-        "--set", "release.count=" + std::to_string(blocks), "--seed", "5", "--set", "model.dimension=2"};
+        "--set", "release.count=" + std::to_string(blocks), "--seed", "5", "--set", "model.dimension=2", "--set",
+        kStep};
     EXPECT_EQ(run_quarry_a(folder, args).code, 0);
     return folder;
 }
 
-Outcome diagnose(const fs::path& output, const std::vector<std::string>& more) {
+std::vector<std::string> diagnosis(const fs::path& output, const std::vector<std::string>& more) {
     std::vector<std::string> args{"diagnose", (quarry_a() / "site.toml").string(),      "--output", output.string(),
                                   "--free",   "soil.compact waste.rolling=0.01:0.3:log"};
     for (const char* set :
-         {"model.dimension=2", "calibration.starts=1", "calibration.screening=6", "calibration.generations=1",
+         {"model.dimension=2", kStep, "calibration.starts=1", "calibration.screening=8", "calibration.generations=2",
           "calibration.search_repeats=4", "calibration.surroundings=10", "calibration.repeats=4",
           "calibration.final_repeats=8", "calibration.folds=2", "calibration.draws=200", "observed.draws=200",
           "diagnosis.reference_repeats=24", "diagnosis.repeats=8", "diagnosis.draws=199", "diagnosis.finalists=2",
@@ -41,7 +46,11 @@ Outcome diagnose(const fs::path& output, const std::vector<std::string>& more) {
         args.push_back(set);
     }
     args.insert(args.end(), more.begin(), more.end());
-    return scree_program(args);
+    return args;
+}
+
+Outcome diagnose(const fs::path& output, const std::vector<std::string>& more) {
+    return scree_program(diagnosis(output, more));
 }
 
 /// The same with every measured speed times a factor, as tables.
@@ -65,7 +74,8 @@ fs::path with_speeds(const fs::path& results, const fs::path& folder, double fac
 TEST(Diagnose, NamesAFaultOfTheMeasurementAndWritesAllOfIt) {
     const TempDir folder;
     const fs::path observed = with_speeds(field_test(folder / "field", 24), folder / "obs", 1.35), out = folder / "out";
-    const Outcome run = diagnose(out, {"--observed", observed.string(), "--threads", "1"});
+    const Outcome run = diagnose(out, {"--observed", observed.string(), "--set", "diagnosis.reference_repeats=60",
+                                       "--set", "diagnosis.repeats=25", "--set", "diagnosis.rounds=6"});
     ASSERT_EQ(run.code, 0) << run.err;
     EXPECT_THAT(run.out, HasSubstr("=> DATA PROBLEM: speed_error"));
     EXPECT_THAT(run.out, HasSubstr("speed at ES1-A is larger than simulated"));
@@ -111,10 +121,19 @@ TEST(Diagnose, FindsNothingInATestOfTheModelItself) {
     EXPECT_THAT(run.out, HasSubstr("what would be seen in 4 of 5 such tests"));
     EXPECT_THAT(text_of(out / "site_extended.toml"), Not(HasSubstr("[[effect]]")));
 
-    // byte for byte on any number of threads
-    const fs::path again = folder / "again";
-    ASSERT_EQ(diagnose(again, {"--observed", observed.string(), "--threads", "3"}).code, 0);
+    // byte for byte on any number of threads, and from where it was stopped
+    const fs::path again = folder / "again", journal = folder / "again.journal";
+    std::vector<std::string> more{"--observed", observed.string(), "--threads", "3", "--progress=json", "--quiet"};
+    EXPECT_THAT(interrupted(diagnosis(again, more), 2), HasSubstr("--resume"));
+    EXPECT_FALSE(fs::exists(again));
+    const auto kept = contents_of(journal);
+    EXPECT_GT(kept.size(), 0U);
+    EXPECT_EQ(diagnose(again, more).code, 3) << "neither lost nor taken for another's";
+    more.emplace_back("--resume");
+    const Outcome resumed = diagnose(again, more);
+    ASSERT_EQ(resumed.code, 0) << resumed.err;
     EXPECT_THAT(differing_files(out, again), IsEmpty());
+    EXPECT_FALSE(fs::exists(journal));
 }
 
 TEST(Diagnose, StopsAtMeasurementsThatCannotBe) {

@@ -1,22 +1,14 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Ctrl-C, on the real process: it ends soon, with 130, and what was done is written and marked.
+#include "cli/process.hpp"
 #include "cli/program.hpp"
 #include "cli/results.hpp"
 #include "support/paths.hpp"
 
-#include <fcntl.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <spawn.h>
-#include <sys/wait.h>
-#include <unistd.h>
 
 #include <algorithm>
-#include <array>
-#include <csignal>
-#include <cstdio>
-
-extern char** environ;
 
 namespace scree::test {
 namespace {
@@ -25,54 +17,6 @@ using testing::HasSubstr;
 namespace fs = std::filesystem;
 
 constexpr int kManyBlocks = 1'000'000;  // more than a test can wait for
-
-/// The program as a process whose error stream is read here.
-class Process {
-public:
-    explicit Process(std::vector<std::string> args) {
-        args.insert(args.begin(), SCREE_PROGRAM);
-        std::vector<char*> argv;
-        for (std::string& arg : args) argv.push_back(arg.data());
-        argv.push_back(nullptr);
-        std::array<int, 2> ends{};
-        if (::pipe2(ends.data(), O_CLOEXEC) != 0) return;
-        posix_spawn_file_actions_t actions;
-        ::posix_spawn_file_actions_init(&actions);
-        ::posix_spawn_file_actions_adddup2(&actions, ends[1], STDERR_FILENO);
-        ::posix_spawn(&id_, SCREE_PROGRAM, &actions, nullptr, argv.data(), environ);
-        ::posix_spawn_file_actions_destroy(&actions);
-        ::close(ends[1]);
-        err_ = ::fdopen(ends[0], "r");
-    }
-    ~Process() {
-        if (err_) ::fclose(err_);
-        if (id_ > 0 && !ended_) {
-            ::kill(id_, SIGKILL);
-            ::waitpid(id_, nullptr, 0);
-        }
-    }
-    Process(const Process&) = delete;
-    Process& operator=(const Process&) = delete;
-
-    /// The next line of the error stream, "" at its end.
-    std::string line() {
-        std::array<char, 4096> buffer{};
-        return err_ && std::fgets(buffer.data(), buffer.size(), err_) ? std::string(buffer.data()) : std::string();
-    }
-    void interrupt() const { ::kill(id_, SIGINT); }
-    /// The exit code, or -signal.
-    int wait() {
-        int status = 0;
-        ::waitpid(id_, &status, 0);
-        ended_ = true;
-        return WIFEXITED(status) ? WEXITSTATUS(status) : -WTERMSIG(status);
-    }
-
-private:
-    pid_t id_ = -1;
-    std::FILE* err_ = nullptr;
-    bool ended_ = false;
-};
 
 TEST(Interrupt, WritesWhatWasDoneAndSaysSo) {
     const TempDir folder;
@@ -128,24 +72,13 @@ TEST(Interrupt, CalibrationKeepsItsSimulationsAndGoesOn) {
     for (const char* option :
          {"--free", "soil.compact waste.rolling=0.01:0.2", "--set", "calibration.screening=100000"})
         args.emplace_back(option);
-    const auto interrupted = [&](Process& run) {  // as soon as it reports progress; the last line that it says
-        std::string line = run.line(), last;
-        while (!line.empty() && line.find("\"done\"") == std::string::npos) line = run.line();
-        EXPECT_THAT(line, HasSubstr("\"done\"")) << "the calibration never reported progress";
-        run.interrupt();
-        for (line = run.line(); !line.empty(); line = run.line()) last = line;
-        EXPECT_EQ(run.wait(), 130);
-        return last;
-    };
-    Process run(args);
-    EXPECT_THAT(interrupted(run), HasSubstr("--resume goes on from there"));
+    EXPECT_THAT(interrupted(args), HasSubstr("--resume goes on from there"));
     EXPECT_FALSE(fs::exists(out));
     const std::string kept = text_of(journal);
     EXPECT_GT(std::count(kept.begin(), kept.end(), '\n'), 1);
 
     args.emplace_back("--resume");
-    Process again(args);
-    interrupted(again);
+    interrupted(args);
     EXPECT_TRUE(text_of(journal).starts_with(kept)) << "nothing is simulated twice";
 }
 

@@ -53,8 +53,9 @@ class ResidualSpace {
 public:
     /// `reference` holds the rows of a simulation, with the same columns as `measured`, screens in their order along the path; blocks with fewer than kLeastMembers simulated values of a
     /// column say nothing about it. `blocks` are those of the test (empty if unknown).
+    /// `residuals` of another space are taken as they are, where there are any.
     ResidualSpace(ObservationTable reference, const ObservationTable& measured, std::span<const ObservedBlock> blocks,
-                  const ResidualSettings& settings);
+                  const ResidualSettings& settings, std::span<const Residual> residuals = {});
     static constexpr std::size_t kLeastMembers = 5;
 
     /// Residuals that at least kLeastRows measured rows have something to say about.
@@ -69,7 +70,8 @@ public:
     const ObservationTable& reference() const { return reference_; }
 
 private:
-    void choose(const ObservationTable& measured, const ResidualSettings& settings);
+    void choose(const ObservationTable& measured, const ResidualSettings& settings,
+                std::span<const Residual> residuals);
     ResidualRows raw(const ObservationTable& table, bool own) const;
     double level(const ObservationTable& table, std::size_t row, std::size_t column, bool own) const;
     double share(std::size_t row_block, std::size_t column) const;

@@ -1,0 +1,58 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "cli/simulation_store.hpp"
+
+#include "cli/results.hpp"
+#include "support/paths.hpp"
+
+#include <gtest/gtest.h>
+
+namespace scree::test {
+namespace {
+
+namespace fs = std::filesystem;
+
+ObservationTable table_of_two() {
+    ObservationTable table;
+    table.columns = {{Quantity::Along, -1}, {Quantity::Speed, 1}};
+    table.block = {0, 1, 1};
+    table.values = {{1.5, kNaN, -3.0}, {0.0, kInfinity, 2e300}};
+    return table;
+}
+
+TEST(SimulationStore, GivesBackWhatItKeeps) {
+    const TempDir folder;
+    cli::SimulationStore store(folder / "journal", "this study");
+    EXPECT_FALSE(store.find("baseline"));
+    EXPECT_FALSE(fs::exists(store.folder())) << "nothing is written before there is something to keep";
+    const ObservationTable table = table_of_two();
+    store.keep("baseline", table);
+    const auto found = store.find("baseline");
+    ASSERT_TRUE(found);
+    EXPECT_EQ(found->block, table.block);
+    ASSERT_EQ(found->columns.size(), 2U);
+    EXPECT_EQ(found->columns[1].quantity, Quantity::Speed);
+    EXPECT_EQ(found->columns[1].place, 1);
+    EXPECT_TRUE(std::isnan(found->values[0][1]));
+    EXPECT_EQ(found->values[0][2], -3.0);
+    EXPECT_EQ(found->values[1], table.values[1]);
+
+    EXPECT_FALSE(store.find("other words"));
+    EXPECT_FALSE(cli::SimulationStore(folder / "journal", "another study").find("baseline"));
+    store.remove();
+    EXPECT_FALSE(fs::exists(store.folder()));
+    EXPECT_FALSE(store.find("baseline"));
+}
+
+TEST(SimulationStore, DoesNotTakeHalfAFile) {
+    const TempDir folder;
+    cli::SimulationStore store(folder / "journal", "this study");
+    store.keep("baseline", table_of_two());
+    for (const auto& entry : fs::directory_iterator(store.folder()))
+        for (auto size = fs::file_size(entry.path()); size-- > 0;) {
+            fs::resize_file(entry.path(), size);
+            EXPECT_FALSE(store.find("baseline")) << size;
+        }
+}
+
+}  // namespace
+}  // namespace scree::test
