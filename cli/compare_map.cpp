@@ -118,6 +118,7 @@ void draw_places(Svg& svg, const SvgPanel& panel, const SiteModel& model, const 
     }
     int number = 0;
     for (const Screen& screen : model.campaign.screens) {
+        if (screen.line.empty()) continue;  // given by its chainage
         std::vector<Vec2> line;
         for (const Vec2& v : screen.line) line.push_back(panel.at(v));
         svg.line(line, stroke("#5a2d91", 1.8, "7 3"));

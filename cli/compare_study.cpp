@@ -107,11 +107,16 @@ void add_passing(CompareStudy& study, const SiteModel& model, const ObservedSite
                               simulated = finite(study.simulated, {Quantity::Along, -1});
     if (measured.empty() || simulated.empty()) return;
     std::set<std::string> seen;
-    for (const Screen& screen : model.campaign.screens) {
-        const double at = observed.op.axis.crossing(screen.line);
-        if (!std::isfinite(at) || !seen.insert(screen.name).second) continue;
-        study.beyond_screens.push_back({screen.name, at, share_above(measured, at), share_above(simulated, at)});
-    }
+    const auto add = [&](const Screen& screen, double at) {
+        if (std::isfinite(at) && seen.insert(screen.name).second)
+            study.beyond_screens.push_back({screen.name, at, share_above(measured, at), share_above(simulated, at)});
+    };
+    for (const Screen& screen : model.campaign.screens)
+        if (!screen.line.empty()) add(screen, observed.op.axis.crossing(screen.line));
+    for (const ProfileTrack& track : model.campaign.tracks)
+        for (const ProfileTrack::Mark& mark : track.marks)
+            add(model.campaign.screens[static_cast<std::size_t>(mark.screen)],
+                observed.op.axis.place(track.profile.place_at(mark.s)).along);
     std::sort(study.beyond_screens.begin(), study.beyond_screens.end(),
               [](const SharePair& a, const SharePair& b) { return a.chainage < b.chainage; });
     const double farthest = std::max(*std::max_element(measured.begin(), measured.end()),

@@ -271,7 +271,11 @@ private:
         op.origin = release_centre(model_.release.layer);
         std::ostringstream text;
         text << std::fixed << std::setprecision(0);
-        if (s_.axis == AxisChoice::Line) {
+        const bool one_profile = model_.profiles && model_.profiles->traces.size() == 1;
+        if (s_.axis == AxisChoice::Profile || (s_.axis == AxisChoice::Automatic && one_profile)) {
+            op.axis = Axis(the_profile().place);
+            text << "along the profile, from its head";
+        } else if (s_.axis == AxisChoice::Line) {
             const gis::VectorData data =
                 read_site_layer(site_, s_.line, "axis of the observations", {GeometryKind::LineString}, model_.terrain);
             std::vector<Vec2> line;
@@ -286,12 +290,23 @@ private:
         } else {
             double azimuth = radians_from_degrees(s_.azimuth_deg);
             std::string towards;
-            if (s_.axis == AxisChoice::Measured) azimuth = measured_azimuth(towards);
+            if (s_.axis != AxisChoice::Azimuth) azimuth = measured_azimuth(towards);
             op.axis = Axis(op.origin, azimuth);
             const double degrees = std::fmod(degrees_from_radians(azimuth) + 360.0, 360.0);
             text << "along azimuth " << degrees << " degrees from the centre of the release area" << towards;
         }
         result_.axis_text = text.str();
+    }
+
+    /// That of [profile], which 3D has to trace for this.
+    Profile the_profile() const {
+        const SiteProfiles traced = model_.profiles ? *model_.profiles : trace_site_profiles(site_, model_.terrain);
+        if (traced.traces.size() != 1)
+            throw InputError(site_.file.string() +
+                             ": observed.axis = \"profile\" needs one profile, and [profile] gives " +
+                             std::to_string(traced.traces.size()) +
+                             ": take another axis, or lead one line (profile.start, profile.guide)");
+        return traced.traces.front().profile;
     }
 
     /// From the release to the mean of the stops; where there are none, to the middle of the lowest screen or down the terrain's slope.
@@ -308,6 +323,7 @@ private:
         if (count == 0.0 && !screens.empty()) {
             double lowest = kInfinity;
             for (const Screen& screen : screens) {
+                if (screen.line.empty()) continue;  // given by its chainage
                 const Vec2 middle = 0.5 * (screen.line.front() + screen.line.back());
                 const double height = model_.terrain.surface->height(middle);
                 if (!(height < lowest)) continue;

@@ -294,8 +294,9 @@ void add_observed(std::vector<Setting<SiteSettings>>& keys) {
         "false: stops are compared by their distance along the axis alone, as a model on a profile must be."));
     keys.push_back(observed.choice(
         "axis", kAxisChoiceNames, AT(observed.axis),
-        "Direction along which distance counts, from the centre of the release area. measured: to the mean of the "
-        "measured stops. azimuth: as given. line: along a line of a file, from its first point."));
+        "Line along which distance counts. profile: the profile of [profile], from its head, in 3D as in 2D. From the "
+        "centre of the release area: measured, to the mean of the measured stops; azimuth, as given. line: a line of "
+        "a file, from its first point. auto: the profile in 2D if there is one only, else measured."));
     keys.push_back(observed.number("azimuth_deg", "deg", {-360, 360}, AT(observed.azimuth_deg),
                                    "Direction of the axis \"azimuth\", clockwise from north."));
     keys.push_back(observed.path("line_file", AT(observed.line.file), "File with the line of the axis \"line\"."));

@@ -40,8 +40,8 @@ struct EffectSettings {
     std::string library;  ///< of own_law
 };
 
-enum class AxisChoice { Measured, Azimuth, Line };
-inline constexpr std::array<const char*, 3> kAxisChoiceNames{"measured", "azimuth", "line"};
+enum class AxisChoice { Automatic, Profile, Measured, Azimuth, Line };
+inline constexpr std::array<const char*, 5> kAxisChoiceNames{"auto", "profile", "measured", "azimuth", "line"};
 
 enum class BrokenBlocks { Keep, LeaveOut };
 inline constexpr std::array<const char*, 2> kBrokenBlocksNames{"keep", "leave_out"};
@@ -63,7 +63,7 @@ struct ObservedSettings {
     double runout_limit = 0.0;     ///< 0: none [m]
     BrokenBlocks broken = BrokenBlocks::Keep;
     bool lateral = true;
-    AxisChoice axis = AxisChoice::Measured;
+    AxisChoice axis = AxisChoice::Automatic;
     double azimuth_deg = 0.0;  ///< clockwise from north [deg]
     VectorInput line;          ///< guiding line
 };

@@ -309,6 +309,7 @@ void shift_screens(std::span<const Effect> effects, const Axis& axis, CampaignIn
         if (e.kind == EffectKind::ScreenShift) shift += e.value("shift");
     if (shift == 0.0) return;
     for (Screen& screen : campaign.screens) {
+        if (screen.line.empty()) continue;  // given by its chainage: a mark on the tracks below
         const double at = axis.crossing(screen.line);
         const double along = std::isfinite(at) ? at : axis.place(screen.line[screen.line.size() / 2]).along;
         const Vec2 way = axis.point(along + shift) - axis.point(along);

@@ -249,5 +249,27 @@ TEST(Compare, AxisMayBeADirectionOrALine) {
     EXPECT_EQ(contents_of(folder.path()).count("point.geojson_out"), 0U);
 }
 
+TEST(Compare, CountsAlongTheProfileIn2dAndOnDemandIn3d) {
+    const TempDir folder;
+    ASSERT_EQ(run_quarry_a(folder / "field", {"--set", "model.dimension=2"}).code, 0);
+    double mean = 0.0;
+    const auto stops = read_points(folder / "field" / "results.gpkg", "stopping_points");
+    for (const PointRow& stop : stops) mean += stop.number("s_m") / static_cast<double>(stops.size());
+    for (const std::vector<std::string>& options :
+         {std::vector<std::string>{"--set", "model.dimension=2"}, {"--set", "observed.axis=profile"}}) {
+        const fs::path out = folder / ("out" + std::to_string(contents_of(folder.path()).size()));
+        std::vector<std::string> args{"--set", "release.count=10", "--set", "observed.repeats=5"};
+        args.insert(args.end(), options.begin(), options.end());
+        const Outcome run = compare(folder / "field", out, args);
+        ASSERT_EQ(run.code, 0) << run.err;
+        EXPECT_THAT(run.out, HasSubstr("distance along the profile, from its head"));
+        EXPECT_NEAR(observable(report(out), "distance along").at("measured").at("mean").get<double>(), mean, 1e-3);
+    }
+    const Outcome several =
+        compare(folder / "field", folder / "several", {"--set", "observed.axis=profile", "--set", "profile.spacing=1"});
+    EXPECT_EQ(several.code, 3);
+    EXPECT_THAT(several.err, HasSubstr("needs one profile"));
+}
+
 }  // namespace
 }  // namespace scree::test

@@ -159,17 +159,18 @@ TEST(SimulatedTable, SpreadsSpeedsByTheNoiseAndMixesNumbers) {
 
 TEST(ShiftScreens, MovesThemAlongTheAxisAndTheProfiles) {
     CampaignInput campaign;
-    campaign.screens = {{"upper", {{10, -5}, {10, 5}}}};
+    campaign.screens = {{"upper", {{10, -5}, {10, 5}}}, {"by its chainage", {}}};
     ProfileTrack track;
     track.profile = make_profile(std::vector<Vec3>{{0, 0, 10}, {20, 0, 0}}, std::vector<SoilId>{0});
-    track.marks = {{0, 10.0}, {0, 19.0}};
+    track.marks = {{0, 10.0}, {0, 19.0}, {1, 5.0}};
     campaign.tracks.push_back(track);
     Effect shift = make_effect(EffectKind::ScreenShift);
     shift.set("shift", 3.0);
     shift_screens(std::vector<Effect>{shift}, Axis(), campaign);
     EXPECT_EQ(campaign.screens[0].line, (std::vector<Vec2>{{13, -5}, {13, 5}}));
-    ASSERT_EQ(campaign.tracks[0].marks.size(), 1U) << "the other one would stand beyond the end";
+    ASSERT_EQ(campaign.tracks[0].marks.size(), 2U) << "the other one would stand beyond the end";
     EXPECT_EQ(campaign.tracks[0].marks[0].s, 13.0);
+    EXPECT_EQ(campaign.tracks[0].marks[1].s, 8.0);
 }
 
 TEST(ObservationTables, KeepOnlyTheWayAlongForAModelOfOneProfile) {
