@@ -1,0 +1,62 @@
+#!/usr/bin/python3
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Runs `scree diagnose` on blind cases, knowing nothing but what is in FOLDER/cases.
+
+Usage: find.py SCREE FOLDER [--parallel N] [--set KEY=VALUE ...]
+
+Writes FOLDER/found/NNNN.json (diagnosis.json of the program); what is there is not done again. Refuses a case whose sealed file has no hash in
+FOLDER/sealed.sha256: the truth must be fixed before.
+"""
+import argparse
+import json
+import shutil
+import subprocess
+import sys
+import tempfile
+import time
+from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
+
+# smaller than the defaults: a case takes about two minutes of one core
+BUDGET = ["calibration.starts=1", "calibration.generations=8", "calibration.surroundings=60", "calibration.repeats=5", "calibration.folds=3",
+          "calibration.final_repeats=20", "diagnosis.reference_repeats=80", "diagnosis.repeats=30", "diagnosis.draws=499", "diagnosis.finalists=5",
+          "observed.draws=200"]
+
+
+def diagnose(args, case):
+    found = args.folder / "found" / f"{case.name}.json"
+    if found.exists():
+        return
+    if f"sealed/{case.name}.json" not in (args.folder / "sealed.sha256").read_text():
+        sys.exit(f"case {case.name} is not sealed")
+    begin = time.process_time(), time.monotonic()
+    with tempfile.TemporaryDirectory() as folder:
+        line = [args.scree, "diagnose", str(case / "site.toml"), "--observed", str(case / "observed"), "--output", f"{folder}/out", "--threads",
+                "1", "--quiet"]
+        for change in BUDGET + args.set:
+            line += ["--set", change]
+        done = subprocess.run(line, capture_output=True, text=True)
+        if done.returncode:
+            found.with_suffix(".error").write_text(done.stderr)
+            print(f"case {case.name}: exit code {done.returncode}: {done.stderr.strip()[-300:]}", flush=True)
+            return
+        json.loads((Path(folder) / "out" / "diagnosis.json").read_text())  # whole
+        shutil.copy(f"{folder}/out/diagnosis.json", found)
+    print(f"case {case.name}: {time.monotonic() - begin[1]:.0f} s", flush=True)
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("scree", help="the program")
+    parser.add_argument("folder", type=Path)
+    parser.add_argument("--parallel", type=int, default=2, help="cases at once, one thread each (default 2)")
+    parser.add_argument("--set", action="append", default=[], metavar="KEY=VALUE")
+    args = parser.parse_args()
+    (args.folder / "found").mkdir(exist_ok=True)
+    cases = sorted((args.folder / "cases").iterdir())
+    with ThreadPoolExecutor(args.parallel) as pool:
+        list(pool.map(lambda case: diagnose(args, case), cases))
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,399 @@
+#!/usr/bin/python3
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Draws blind cases for `scree diagnose`: a slope, a model, a field test, and something hidden in it, or nothing.
+
+Usage: generate.py SCREE FOLDER --seed N [--first N] [--cases N] [--tiers 0,1,...] [--count N] [--threads N]
+
+Writes FOLDER/cases/NNNN/{site.toml, blocks.csv, observed/} for the finder, FOLDER/sites/ with the slopes, FOLDER/sealed/NNNN.json with what is
+hidden, and FOLDER/sealed.sha256 with the hash of each sealed file. What is hidden is drawn from sha256(seed, number of the case). Of Scree it uses
+the program alone, to throw the blocks of the truth (`scree run`); everything from tier 1 up comes from formulas of its own (laws.cpp, compiled
+here) or is done to the measured values here.
+
+Strength: delta, the signal-to-noise ratio that a perfect linear test of this field test would have for the hidden effect after the model's
+parameters have absorbed what they can: sqrt(n d' P d), d the change of the means of what is measured of a block (and of its squares and its
+products with the logarithm of the mass), P the inverse of their covariance with the span of the parameters' derivatives projected out. It is
+estimated from --count simulated blocks and solved for the value drawn, 1 to 9.
+"""
+import argparse
+import csv
+import hashlib
+import json
+import math
+import shutil
+import subprocess
+import sys
+import tempfile
+from pathlib import Path
+
+HERE = Path(__file__).resolve().parent
+SKIPPED = 77
+try:
+    import numpy as np
+    from osgeo import ogr
+
+    import terrains
+except ImportError as error:
+    print(f"skipped: {error}")
+    sys.exit(SKIPPED)
+
+ogr.UseExceptions()
+
+TIME_STEP = 8e-3            # [s] of truth and model alike: half the time of the default
+DELTAS = (1.0, 2.0, 3.0, 4.5, 6.0, 9.0)
+# chance of a tier: 5 is "nothing hidden"
+TIERS = {0: 0.10, 1: 0.20, 2: 0.06, 3: 0.13, 4: 0.06, 5: 0.35, 6: 0.10}
+START = {"restitution": 0.1, "friction": 0.6, "rolling": 0.05}  # of the site that the finder gets
+POSITION_ERROR, SPEED_ERROR, HEIGHT_ERROR, SPIN_ERROR = 0.2, (0.05, 0.2), 0.1, 0.3
+SHIFTS = (-6.0, -4.0, -3.0, -2.0, -1.0, 1.0, 2.0, 3.0, 4.0, 6.0)
+
+
+def entry(kind, **values):
+    return f'[[effect]]\nkind = "{kind}"\n' + "".join(f"{k} = {json.dumps(v)}\n" for k, v in values.items()) + "\n"
+
+
+# name -> (families that are right answers, strength at which a search begins, largest strength, text of the site for a strength)
+SAME_FORMULA = {
+    "ground_drag": (["ground_drag"], 0.2, 5.0, lambda q, at: entry("ground_drag", coefficient=q)),
+    "ground_drag_quadratic": (["ground_drag"], 0.02, 1.0, lambda q, at: entry("ground_drag_quadratic", coefficient=q)),
+    "scar_drag_reduced": (["ground_drag"], 0.02, 1.0, lambda q, at: entry("scar_drag_reduced", coefficient=q)),
+    "rolling_speed": (["rolling_speed"], 0.2, 5.0, lambda q, at: entry("rolling_speed", speed=1.0 / q)),
+    "rolling_size": (["rolling_size"], 0.5, 3.0, lambda q, at: entry("rolling_size", exponent=q)),
+    "restitution_pfeiffer_bowen": (["restitution_half_speed"], 0.2, 5.0, lambda q, at: entry("restitution_pfeiffer_bowen", half_speed=1.0 / q)),
+    "slip_friction": (["slip_friction"], 1.0, 8.0, lambda q, at: entry("slip_friction", ratio=1.0 + q)),
+    "low_friction": (["low_friction"], 0.3, 0.6, lambda q, at: entry("low_friction", friction=max(0.65 - q, 0.02), soil="slope")),
+    "roughness": (["roughness"], 0.05, 0.5, lambda q, at: entry("roughness", amplitude=q)),
+    "soil_patch": (["soil_patch"], 0.1, 1.0, lambda q, at: entry("soil_patch", rolling=0.05 + q, **{"from": at[0], "to": at[1]})),
+    "forest_drag": (["forest_drag"], 200.0, 5000.0, lambda q, at: entry("forest_drag", coefficient=q, **{"from": at[0], "to": at[1]})),
+    "block_shape longer": (["block_shape"], 0.15, 1.5, lambda q, at: entry("block_shape", elongation=1.0 + q)),
+    "block_shape sharper": (["block_shape"], 0.2, 0.8, lambda q, at: entry("block_shape", corners=1.0 - q)),
+    "release_motion": (["release_motion"], 2.0, 15.0, lambda q, at: entry("release_motion", speed=q)),
+    "fragmentation": (["fragmentation"], 0.1, 2.0, lambda q, at: entry("fragmentation", speed=1.0 / q)),
+}
+
+
+def law(number, q, at=(0.0, 0.0)):
+    return entry("own_law", library="laws.so", a=number, b=q, c=at[0], d=at[1])
+
+
+SAME_FAMILY = {
+    "drag as v^1.5": (["ground_drag"], 0.5, 20.0, lambda q, at: law(1, q)),
+    "drag of a plough": (["ground_drag"], 0.5, 50.0, lambda q, at: law(2, q)),
+    "bounce falls exponentially with speed": (["restitution_half_speed"], 1.0, 30.0, lambda q, at: law(3, q)),
+    "bounce falls with momentum": (["restitution_half_speed", "restitution_mass"], 1.0, 50.0, lambda q, at: law(4, q)),
+    "rolling resistance saturates with speed": (["rolling_speed"], 0.2, 10.0, lambda q, at: law(5, q)),
+    "rolling resistance linear in size": (["rolling_size"], 0.5, 5.0, lambda q, at: law(6, q)),
+    "shrubs on a reach": (["forest_drag", "ground_drag"], 0.5, 30.0, lambda q, at: law(7, q, at)),
+    "patch with soft borders": (["soil_patch"], 1.0, 30.0, lambda q, at: law(8, q, at)),
+}
+OUTSIDE = {
+    "friction weakens with speed": ([], 0.3, 20.0, lambda q, at: law(21, q)),
+    "every block has its own rolling resistance": ([], 0.5, 4.0, lambda q, at: law(22, q)),
+    "bounce grows with speed": ([], 0.3, 5.0, lambda q, at: law(23, q)),
+    "rolling resistance weakens with spin": ([], 0.3, 30.0, lambda q, at: law(24, q)),
+    "stripes of friction": ([], 0.3, 0.95, lambda q, at: law(25, q)),
+    "drag that is strongest when slow": ([], 0.3, 20.0, lambda q, at: law(26, q)),
+}
+FAULTS = {  # done to what was measured; the strength in the unit of the fault
+    "speed_bias": (["speed_error"], 0.1, 0.5),
+    "speed_noise": (["speed_error"], 1.0, 8.0),
+    "screen_shift": (["screen_shift"], 3.0, 6.0),
+    "slow_missed": (["slow_missed"], 2.0, 8.0),
+    "ids_shuffled": (["ids_shuffled"], 1.0, 1.0),
+    "height_datum": (["height_datum"], 0.3, 3.0),
+}
+LOCAL = ("soil_patch", "forest_drag", "shrubs on a reach", "patch with soft borders")
+
+
+class Case:
+    def __init__(self, args, number):
+        self.args, self.number = args, number
+        self.random = np.random.default_rng(list(hashlib.sha256(f"{args.seed}/{number}".encode()).digest()))
+        r = self.random
+        tiers = {t: p for t, p in TIERS.items() if t in args.tiers}
+        self.tier = int(r.choice(list(tiers), p=np.array(list(tiers.values())) / sum(tiers.values())))
+        self.slope = str(r.choice(list(terrains.SLOPES)))
+        self.n = int(r.choice([30, 50, 50, 50, 100]))
+        self.n = args.blocks or self.n
+        self.ids = bool(r.uniform() < 0.7)
+        self.instruments = ["stops", "speed"] + (["height", "spin"] if self.ids and r.uniform() < 0.5 else [])
+        self.soils = {name: {"restitution": float(0.0 if r.uniform() < 0.25 else r.uniform(0.05, 0.35)), "friction": float(r.uniform(0.45, 0.8)),
+                             "rolling": float(math.exp(r.uniform(math.log(0.02), math.log(0.09))))} for name in ("slope", "floor")}
+        first = terrains.SLOPES[self.slope]["screens"][0]
+        start = float(r.uniform(first - 12.0, terrains.SLOPES[self.slope]["floor"] - 10.0))
+        self.at = (round(start, 1), round(start + float(r.uniform(6.0, 15.0)), 1))
+        self.target = float(r.choice(DELTAS))
+        self.blocks = self.draw_blocks(self.n)
+        self.fault, self.effects = None, []
+        table = {0: SAME_FORMULA, 1: SAME_FAMILY, 3: OUTSIDE, 6: FAULTS}.get(self.tier)
+        names = []
+        if table:
+            names = [str(r.choice(list(table)))]
+            if names[0] == "ids_shuffled":
+                self.ids = True
+            if names[0] == "height_datum":
+                self.ids, self.instruments = True, ["stops", "speed", "height", "spin"]
+        elif self.tier == 2:
+            table = {**SAME_FORMULA, **SAME_FAMILY}
+            while len(names) < 2 or set(table[names[0]][0]) & set(table[names[1]][0]):
+                names = [str(name) for name in r.choice(list(table), 2, replace=False)]
+        if self.tier == 6:
+            self.fault = [names[0], 0.0]
+        else:
+            self.effects = [[name, table[name], 0.0] for name in names]
+        if any("restitution" in name or "bounce" in name for name in names):  # invisible without a bounce
+            for soil in self.soils.values():
+                soil["restitution"] = max(soil["restitution"], 0.2)
+
+    def draw_blocks(self, count):
+        r, rows = self.random, []
+        for k in range(count):
+            volume = math.exp(r.uniform(math.log(0.06), math.log(0.8)))
+            b, c = r.uniform(0.6, 1.0), r.uniform(0.5, 0.9)  # L2/L1, L3/L2
+            longest = (volume / 0.55 / (b * b * c)) ** (1.0 / 3.0)  # a hull fills about 55 % of its box
+            rows.append([f"B{k + 1:03d}", round(2600.0 * volume, 1), round(longest, 3), round(longest * b, 3), round(longest * b * c, 3)])
+        return rows
+
+    # ---- site files ----
+
+    def site(self, sites, soils, effects, blocks, count, seed, dimension=2, extra=()):
+        screens = terrains.SLOPES[self.slope]["screens"]
+        chainages = ", ".join(f"{name} = {x - 1.5}" for name, x in [(f"ES{k + 1}", x) for k, x in enumerate(screens)] + list(extra))
+        text = f'[site]\nname = "Case {self.number:04d}"\n\n[terrain]\ndtm = "{sites}/dtm.tif"\nresolution = 1.0\n\n'
+        for name, soil in soils.items():
+            text += f'[[soil]]\nname = "{name}"\n' + "".join(f"{key} = {value!r}\n" for key, value in soil.items()) + "\n"
+        text += f'[zones]\nfile = "{sites}/zones.gpkg"\nfield = "soil"\ndefault = "slope"\n\n'
+        text += f'[blocks]\nlist = "{blocks}"\norder = "in_turn"\n\n[release]\nfile = "{sites}/release.gpkg"\ncount = {count}\nheight = 2.0\n\n'
+        text += f'[profile]\nmode = "line"\nguide = "{sites}/line.gpkg"\nhead = 0.0\n\n' if dimension == 2 else ""
+        text += f"[model]\ndimension = {dimension}\ntime_step = {TIME_STEP}\nseed = {seed}\n\n"
+        text += f'[screens]\nchainages = "{chainages}"\n\n' if dimension == 2 else f'[screens]\nfile = "{sites}/screens.gpkg"\n\n'
+        text += '[observed]\naxis = "azimuth"\nazimuth_deg = 90.0\nlateral = false\n\n'
+        text += "".join(effects)
+        return text + "[output]\ntrajectories = 0\n"
+
+    def throw(self, work, count, seed, soils=None, effects=(), dimension=2, every=False):
+        """Blocks of a truth: rows (mass, s, per screen speed, height, spin; NaN where not passed), and the extra screens of shifts.
+
+        With `every`, each block of the case once in its order; else the blocks of the case again and again."""
+        folder = Path(tempfile.mkdtemp(dir=work))
+        with open(folder / "blocks.csv", "w", newline="", encoding="utf-8") as file:
+            csv.writer(file).writerows([["block_id", "mass_kg", "L1_m", "L2_m", "L3_m"], *self.blocks])
+        shutil.copy(work / "laws.so", folder)
+        extra = []
+        if self.fault and self.fault[0] == "screen_shift" and dimension == 2:
+            extra = [(f"x{k}", terrains.SLOPES[self.slope]["screens"][1] + shift) for k, shift in enumerate(SHIFTS)]
+        (folder / "site.toml").write_text(self.site(self.args.folder.resolve() / "sites" / self.slope, soils or self.soils, effects, "blocks.csv",
+                                                    count, seed, dimension, extra))
+        done = subprocess.run([self.args.scree, "run", str(folder / "site.toml"), "--output", str(folder / "out"), "--quiet", "--threads",
+                               str(self.args.threads)], capture_output=True, text=True)
+        if done.returncode:
+            sys.exit(f"case {self.number}: {done.stderr}")
+        results = ogr.Open(str(folder / "out" / "results.gpkg"))
+        names = [f"ES{k + 1}" for k in range(2)] + [name for name, _ in extra]
+        stops = {f["block"]: (f["block_id"], f["mass_kg"], f.GetGeometryRef().GetX(), f.GetGeometryRef().GetY(), f["stop_reason"])
+                 for f in results.GetLayer("stopping_points")}
+        values = np.full((len(stops), 2 + 3 * len(names)), np.nan)
+        order = sorted(stops)
+        at = {block: row for row, block in enumerate(order)}
+        for block, (_, mass, x, _, _) in stops.items():
+            values[at[block], :2] = mass, x - terrains.EAST
+        for f in results.GetLayer("screen_crossings"):
+            k = 2 + 3 * names.index(f["screen"])
+            values[at[f["block"]], k:k + 3] = f["speed_ms"], f["height_m"], f["spin_rads"]
+        ids = [stops[block][0] for block in order]
+        shutil.rmtree(folder)
+        if every and sorted(ids) != sorted(row[0] for row in self.blocks):
+            sys.exit(f"case {self.number}: the truth threw other blocks than the case has")
+        return values, ids
+
+    # ---- measuring ----
+
+    def measure(self, values, random, fault=None):
+        """What instruments and their faults make of it: noise added, columns of the two screens only."""
+        v = values[:, :8].copy()
+        name, q = fault or (None, 0.0)
+        if name == "screen_shift" and q:
+            k = int(np.argmin(np.abs(np.array(SHIFTS) - q)))
+            v[:, 5:8] = values[:, 8 + 3 * k:11 + 3 * k]
+        for k in range(2):
+            speed, height, spin = (v[:, 2 + 3 * k + i] for i in range(3))
+            speed += (SPEED_ERROR[0] * speed + SPEED_ERROR[1]) * random.standard_normal(len(v))
+            if name == "speed_bias":
+                speed *= 1.0 + q
+            if name == "speed_noise":
+                speed += q * random.standard_normal(len(v))
+            np.maximum(speed, 0.0, out=speed)
+            height += HEIGHT_ERROR * random.standard_normal(len(v)) + (q if name == "height_datum" else 0.0)
+            spin += SPIN_ERROR * random.standard_normal(len(v))
+            np.maximum(spin, 0.0, out=spin)
+            if name == "slow_missed":
+                v[speed < q, 2 + 3 * k:5 + 3 * k] = np.nan
+        v[:, 1] += POSITION_ERROR * random.standard_normal(len(v))
+        if name == "ids_shuffled" and q > 0.0:
+            some = np.flatnonzero(random.uniform(size=len(v)) < q)
+            v[some, 0] = v[random.permutation(some), 0]
+        return v
+
+    def features(self, v):
+        """Per block: what is measured, its squares, its products with log mass."""
+        columns = [v[:, 1]]
+        for k in range(2):
+            columns.append(np.isfinite(v[:, 2 + 3 * k]).astype(float))
+            columns.append(np.nan_to_num(v[:, 2 + 3 * k]))
+            if "height" in self.instruments:
+                columns += [np.nan_to_num(v[:, 3 + 3 * k]), np.nan_to_num(v[:, 4 + 3 * k])]
+        x = np.stack(columns, axis=1)
+        if self.scale is None:
+            self.scale = x.mean(axis=0), np.maximum(x.std(axis=0), 1e-6)
+        x = (x - self.scale[0]) / self.scale[1]
+        mass = np.log(v[:, 0])
+        mass = (mass - mass.mean()) / mass.std()
+        return np.concatenate([x, x * x] + ([x * mass[:, None]] if self.ids else []), axis=1)
+
+    def detectability(self, work):
+        """A function strength -> delta of each effect or of the fault."""
+        self.scale = None
+        seed = int(self.random.integers(1, 2 ** 31))
+        noise = [int(self.random.integers(1, 2 ** 31)), 1]
+
+        def sample(soils=None, effects=(), fault=None):
+            return self.features(self.measure(self.throw(work, self.args.count, seed, soils, effects)[0], np.random.default_rng(noise), fault))
+        base = sample()
+        covariance = np.cov(base.T) + 1e-3 * np.eye(base.shape[1])
+        jacobian = []
+        for soil in self.soils:
+            for key, step in (("restitution", 0.05), ("friction", 0.08), ("rolling", None)):
+                ends = []
+                for sign in (-1.0, 1.0):
+                    soils = json.loads(json.dumps(self.soils))
+                    old = soils[soil][key]
+                    soils[soil][key] = old * 1.3 ** sign if step is None else min(max(old + sign * step, 0.0), 1.0)
+                    ends.append(sample(soils).mean(axis=0))
+                jacobian.append(ends[1] - ends[0])
+        whiten = np.linalg.inv(np.linalg.cholesky(covariance))
+        absorbed, singular, _ = np.linalg.svd(whiten @ np.array(jacobian).T, full_matrices=False)
+        absorbed = absorbed[:, singular > 0.1 * math.sqrt(base.shape[1] / self.args.count) + 1e-9]
+
+        def delta(effects, fault=None):
+            difference = sample(None, effects, fault) - base
+            left = whiten @ difference.mean(axis=0)
+            left -= absorbed @ (absorbed.T @ left)
+            spread = whiten @ np.cov(difference.T) @ whiten.T / self.args.count
+            chance = np.trace(spread) - np.trace(absorbed.T @ spread @ absorbed)
+            return math.sqrt(self.n * max(left @ left - chance, 0.0))
+        return delta
+
+    def solve(self, strength_to_delta, start, largest):
+        """The strength that has the target; the nearest within its range if none has."""
+        low, high, q = 0.0, None, min(start, largest)
+        best = (math.inf, q, 0.0)
+        for _ in range(7):
+            d = strength_to_delta(q)
+            if abs(d - self.target) < best[0]:
+                best = (abs(d - self.target), q, d)
+            if abs(d - self.target) < 0.1 * self.target:
+                break
+            if d < self.target:
+                low = q
+                if q >= largest:
+                    break
+                q = min(largest, 2.0 * q if high is None else 0.5 * (low + high))
+            else:
+                high = q
+                q = 0.5 * (low + high)
+        return best[1:]
+
+    # ---- the whole ----
+
+    def write(self, work):
+        truth = {"case": self.number, "tier": self.tier, "slope": self.slope, "n": self.n, "ids": self.ids, "instruments": self.instruments,
+                 "soils": self.soils, "hidden": [], "target": self.target if self.tier not in (4, 5) else None}
+        if self.effects or self.fault:
+            delta = self.detectability(work)
+        for effect in self.effects:
+            name, (families, start, largest, text), _ = effect
+            effect[2], reached = self.solve(lambda q: delta([text(q, self.at)]), start, largest)
+            truth["hidden"].append({"name": name, "families": families, "strength": effect[2], "delta": reached,
+                                    "at": self.at if name in LOCAL else None})
+        if self.fault:
+            families, start, largest = FAULTS[self.fault[0]]
+            if self.fault[0] == "screen_shift":
+                sign = 1.0 if self.random.uniform() < 0.5 else -1.0
+                options = [(abs(delta((), ("screen_shift", s)) - self.target), s) for s in SHIFTS if s * sign > 0]
+                self.fault[1] = min(options)[1]
+                reached = delta((), tuple(self.fault))
+            else:
+                self.fault[1], reached = self.solve(lambda q: delta((), (self.fault[0], q)), start, largest)
+            truth["hidden"].append({"name": self.fault[0], "families": families, "strength": self.fault[1], "delta": reached, "at": None})
+        if self.tier == 4:
+            truth["hidden"].append({"name": "three dimensions", "families": [], "strength": None, "delta": None, "at": None})
+        effects = [text(q, self.at) for _, (_, _, _, text), q in self.effects]
+        values, ids = self.throw(work, self.n, int(self.random.integers(1, 2 ** 31)), None, effects, 3 if self.tier == 4 else 2, every=True)
+        measured = self.measure(values, self.random, tuple(self.fault) if self.fault else None)
+        self.write_case(measured, ids)
+        return truth
+
+    def write_case(self, measured, ids):
+        case = self.args.folder / "cases" / f"{self.number:04d}"
+        (case / "observed").mkdir(parents=True)
+        soils = {name: dict(START) for name in self.soils}
+        (case / "site.toml").write_text(self.site(f"../../sites/{self.slope}", soils, (), "blocks.csv", self.n, 1))
+        mass_of = {round(row[1], 6): row[0] for row in self.blocks}
+        # after a mix-up of the numbers a row carries those of the block that it is taken for
+        names = [mass_of.get(round(m, 6), i) for m, i in zip(measured[:, 0], ids)] if self.fault and self.fault[0] == "ids_shuffled" else ids
+        rows = sorted(zip(names, measured.tolist()))
+        with open(case / "blocks.csv", "w", newline="", encoding="utf-8") as file:
+            csv.writer(file, lineterminator="\n").writerows([["block_id", "mass_kg", "L1_m", "L2_m", "L3_m"], *self.blocks])
+        with open(case / "observed" / "stopping_points.csv", "w", newline="", encoding="utf-8") as file:
+            table = csv.writer(file, lineterminator="\n")
+            table.writerow((["block_id"] if self.ids else []) + ["easting_m", "northing_m", "crs", "position_error_m"])
+            for name, v in rows:
+                table.writerow(([name] if self.ids else []) + [f"{terrains.EAST + v[1]:.2f}", f"{terrains.NORTH + terrains.WIDTH / 2:.2f}", f"EPSG:{terrains.EPSG}",
+                                                              POSITION_ERROR])
+        with open(case / "observed" / "screen_crossings.csv", "w", newline="", encoding="utf-8") as file:
+            table = csv.writer(file, lineterminator="\n")
+            more = "height" in self.instruments
+            table.writerow(["screen"] + (["block_id"] if self.ids else []) + ["speed_ms", "speed_error_ms"]
+                           + (["height_m", "height_error_m", "spin_rads", "spin_error_rads"] if more else []))
+            for k in range(2):
+                for name, v in rows:
+                    speed, height, spin = v[2 + 3 * k:5 + 3 * k]
+                    if math.isfinite(speed):
+                        table.writerow([f"ES{k + 1}"] + ([name] if self.ids else []) + [f"{speed:.2f}", f"{SPEED_ERROR[0] * speed + SPEED_ERROR[1]:.2f}"]
+                                       + ([f"{height:.2f}", HEIGHT_ERROR, f"{spin:.2f}", SPIN_ERROR] if more else []))
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("scree", help="the program")
+    parser.add_argument("folder", type=Path)
+    parser.add_argument("--seed", required=True, help="any text; development and test use different ones")
+    parser.add_argument("--first", type=int, default=0)
+    parser.add_argument("--cases", type=int, default=1)
+    parser.add_argument("--tiers", type=lambda text: [int(t) for t in text.split(",")], default=list(TIERS))
+    parser.add_argument("--count", type=int, default=2000, help="simulated blocks behind a delta (default 2000)")
+    parser.add_argument("--blocks", type=int, default=0, help="of every case (default: 30, 50 or 100 are drawn)")
+    parser.add_argument("--threads", type=int, default=0)
+    args = parser.parse_args()
+    for name in terrains.SLOPES:
+        terrains.write(name, args.folder / "sites")
+    sealed = args.folder / "sealed"
+    sealed.mkdir(exist_ok=True)
+    with tempfile.TemporaryDirectory() as folder:
+        work = Path(folder)
+        subprocess.run(["c++", "-shared", "-fPIC", "-O2", "-std=c++17", "-I", str(HERE.parents[1] / "include"), "-o", str(work / "laws.so"),
+                        str(HERE / "laws.cpp")], check=True)
+        for number in range(args.first, args.first + args.cases):
+            target = sealed / f"{number:04d}.json"
+            if target.exists():
+                continue
+            shutil.rmtree(args.folder / "cases" / f"{number:04d}", ignore_errors=True)
+            truth = Case(args, number).write(work)
+            text = json.dumps(truth, indent=1) + "\n"
+            target.write_text(text)
+            with open(args.folder / "sealed.sha256", "a", encoding="utf-8") as list_of_hashes:
+                list_of_hashes.write(f"{hashlib.sha256(text.encode()).hexdigest()}  sealed/{number:04d}.json\n")
+            print(f"case {number:04d} is sealed", flush=True)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,52 @@
+#!/usr/bin/python3
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Three blind cases, two of them with nothing hidden, from end to end with budgets that are far too small: that the parts fit together and that cases give nothing away.
+
+Usage: smoke.py SCREE
+"""
+import json
+import subprocess
+import sys
+import tempfile
+from pathlib import Path
+
+import generate  # noqa: F401  (ends here as skipped where numpy or GDAL's module is absent)
+
+HERE = Path(__file__).resolve().parent
+SMALL = ["calibration.screening=6", "calibration.generations=1", "calibration.search_repeats=3", "calibration.surroundings=30", "calibration.repeats=3",
+         "calibration.final_repeats=6", "calibration.folds=0", "diagnosis.reference_repeats=20", "diagnosis.repeats=6", "diagnosis.draws=199",
+         "diagnosis.finalists=1", "diagnosis.rounds=1"]
+TRACES = ("own_law", "[[effect]]", "tier", "delta", "laws.so", "truth")
+
+
+def run(script, *arguments):
+    done = subprocess.run([sys.executable, "-B", str(HERE / script), *arguments], capture_output=True, text=True)
+    if done.returncode:
+        sys.exit(f"{script} {' '.join(arguments)}: exit code {done.returncode}\n{done.stdout}{done.stderr}")
+    return done.stdout
+
+
+def main():
+    with tempfile.TemporaryDirectory() as folder:
+        for first, tier in enumerate("515"):
+            run("generate.py", sys.argv[1], folder, "--seed", "smoke", "--first", str(first), "--tiers", tier, "--count", "60", "--blocks", "14", "--threads", "2")
+        for file in (Path(folder) / "cases").rglob("*"):
+            if file.is_file():
+                text = file.read_text()
+                assert not [t for t in TRACES if t in text], f"{file.name} gives something away"
+        truth = json.loads((Path(folder) / "sealed" / "0001.json").read_text())
+        assert truth["tier"] == 1 and len(truth["hidden"]) == 1 and truth["hidden"][0]["strength"] > 0.0, truth
+        sets = [word for change in SMALL for word in ("--set", change)]
+        print(run("find.py", sys.argv[1], folder, *sets), end="")
+        assert len(list((Path(folder) / "found").glob("*.json"))) == 3, "a case was not diagnosed"
+        said = run("score.py", folder)
+        assert said.startswith("3 cases, of which nothing hidden in 2"), said
+        print(said)
+        file = Path(folder) / "sealed" / "0000.json"
+        file.write_text(file.read_text().replace("5", "6", 1))
+        forged = subprocess.run([sys.executable, "-B", str(HERE / "score.py"), folder], capture_output=True, text=True)
+        assert forged.returncode and "is not the truth that was sealed" in forged.stderr, forged
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,100 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The slopes of the blind cases. None of them is a sample site, on which thresholds were chosen."""
+import math
+import os
+
+os.environ["OGR_CURRENT_DATE"] = "2024-01-01T00:00:00.000Z"
+
+import numpy as np  # noqa: E402
+from osgeo import gdal, ogr, osr  # noqa: E402
+
+gdal.UseExceptions()
+ogr.UseExceptions()
+osr.UseExceptions()
+
+EPSG, EAST, NORTH, WIDTH = 2154, 700000.0, 6500000.0, 40.0
+RELEASE = 8.0                # [m] from the western edge
+
+# Reaches from the release down: (length [m], slope [degrees]), corners are rounded over some metres; "floor" is where the second soil begins;
+# screens stand at these distances from the western edge.
+SLOPES = {
+    "talus": {"reaches": [(18, 37), (42, 35), (15, 25), (15, 12), (70, 1)], "floor": 74.0, "screens": (35.0, 66.0), "crown": 10.0},
+    "benches": {"reaches": [(30, 37), (5, 55), (7, 3), (22, 38), (6, 4), (25, 35), (70, 1)], "floor": 102.0, "screens": (40.0, 78.0), "crown": 10.0},
+    "convex": {"reaches": [(15, 28), (20, 34), (20, 40), (6, 2), (25, 33), (20, 15), (70, 1)], "floor": 94.0, "screens": (50.0, 84.0), "crown": 8.0},
+}
+
+
+def heights(name, x):
+    slope = SLOPES[name]
+    corners, z = [0.0, slope["crown"]], [0.0, 0.0]
+    for length, degrees in slope["reaches"]:
+        corners.append(corners[-1] + length)
+        z.append(z[-1] - length * math.tan(math.radians(degrees)))
+    fine = np.arange(-5.0, corners[-1] + 5.0, 0.1)
+    line = np.interp(fine, corners, z)
+    kernel = np.hanning(31)
+    smooth = np.convolve(line, kernel / kernel.sum(), "same")
+    return np.interp(x, fine[20:-20], smooth[20:-20]) + 500.0
+
+
+def length_of(name):
+    return SLOPES[name]["crown"] + sum(length for length, _ in SLOPES[name]["reaches"]) - 5.0
+
+
+def srs():
+    s = osr.SpatialReference()
+    s.ImportFromEPSG(EPSG)
+    return s
+
+
+def rectangle(x0, x1, y0, y1):
+    ring = ogr.Geometry(ogr.wkbLinearRing)
+    for x, y in ((x0, y0), (x1, y0), (x1, y1), (x0, y1), (x0, y0)):
+        ring.AddPoint_2D(EAST + x, NORTH + y)
+    polygon = ogr.Geometry(ogr.wkbPolygon)
+    polygon.AddGeometry(ring)
+    return polygon
+
+
+def line(points):
+    geometry = ogr.Geometry(ogr.wkbLineString)
+    for x, y in points:
+        geometry.AddPoint_2D(EAST + x, NORTH + y)
+    return geometry
+
+
+def layer(path, kind, rows, field="name"):
+    source = ogr.GetDriverByName("GPKG").CreateDataSource(str(path))
+    target = source.CreateLayer(path.stem, srs(), kind)
+    target.CreateField(ogr.FieldDefn(field, ogr.OFTString))
+    for name, geometry in rows:
+        feature = ogr.Feature(target.GetLayerDefn())
+        feature.SetField(field, name)
+        feature.SetGeometry(geometry)
+        target.CreateFeature(feature)
+
+
+def write(name, folder):
+    """DTM, soil zones, release and the line of the profile of one slope, into folder/name."""
+    target = folder / name
+    if target.exists():
+        return target
+    target.mkdir(parents=True)
+    columns, rows = int(length_of(name)), int(WIDTH)
+    random = np.random.default_rng([20240101, list(SLOPES).index(name)])
+    noise = random.standard_normal((rows + 2, columns + 2))
+    rough = 0.05 * (noise[1:-1, 1:-1] + 0.5 * (noise[:-2, 1:-1] + noise[2:, 1:-1] + noise[1:-1, :-2] + noise[1:-1, 2:])) / math.sqrt(2.0)
+    z = heights(name, np.arange(columns) + 0.5)[None, :] + rough
+    dtm = gdal.GetDriverByName("GTiff").Create(str(target / "dtm.tif"), columns, rows, 1, gdal.GDT_Float32)
+    dtm.SetGeoTransform((EAST, 1.0, 0.0, NORTH + WIDTH, 0.0, -1.0))
+    dtm.SetProjection(srs().ExportToWkt())
+    dtm.GetRasterBand(1).WriteArray(z.astype(np.float32))
+    dtm = None
+    floor = SLOPES[name]["floor"]
+    layer(target / "zones.gpkg", ogr.wkbPolygon,
+          [("slope", rectangle(0, floor, 0, WIDTH)), ("floor", rectangle(floor, columns, 0, WIDTH))], "soil")
+    layer(target / "release.gpkg", ogr.wkbPolygon, [("release", rectangle(RELEASE + 3, RELEASE + 7, WIDTH / 2 - 2, WIDTH / 2 + 2))])
+    layer(target / "line.gpkg", ogr.wkbLineString, [("profile", line([(1.5, WIDTH / 2), (columns - 1.5, WIDTH / 2)]))])
+    layer(target / "screens.gpkg", ogr.wkbLineString,
+          [(f"ES{k + 1}", line([(x, 1.0), (x, WIDTH - 1.0)])) for k, x in enumerate(SLOPES[name]["screens"])])
+    return target
