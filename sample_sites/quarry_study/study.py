@@ -178,6 +178,7 @@ def steps(study, dimension, count):
 
 
 def write_report(study, rows, title, remark):
+    rows = [(finding, paper, here, bool(agrees)) for finding, paper, here, agrees in rows]
     (study.out / "findings.json").write_text(json.dumps(rows, indent=1) + "\n")
 
     def cell(text, kind="td"):
