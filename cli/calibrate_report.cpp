@@ -98,6 +98,11 @@ Json study_json(const CompareStudy& study) {
     return json;
 }
 
+/// "0.95 (0.77)": the score, and that of one more repeat.
+std::string score_text(const CalibrationFit& fit) {
+    return short_number(fit.loss) + " (" + short_number(fit.floor) + ")";
+}
+
 }  // namespace
 
 std::string value_text(double value, const Interval& interval) {
@@ -172,11 +177,11 @@ void print_calibration(std::ostream& out, const CalibrationReport& r) {
     out << "\n"
         << "gap, all observables       " << gap_text(r.before_study.overall) << " before, "
         << gap_text(r.after_study.overall) << " calibrated\n"
-        << "gap of what was minimised  " << gap_number(r.result.start_fit.gap()) << " before, "
-        << gap_number(r.result.best_fit.gap()) << " calibrated";
+        << "score, minimised           " << score_text(r.result.start_fit) << " before, "
+        << score_text(r.result.best_fit) << " calibrated";
     if (!r.result.folds.empty())
-        out << ", " << gap_number(r.result.held_out.gap()) << " held out (" << r.result.folds.size() << " folds)";
-    out << "\n";
+        out << ", " << score_text(r.result.held_out) << " held out (" << r.result.folds.size() << " folds)";
+    out << "; in brackets what one more repeat would have\n";
     if (r.result.directions.size() > 1) {
         const CalibrationDirection& worst = r.result.directions.back();
         std::string words;
@@ -200,9 +205,9 @@ std::string calibrated_toml(const CalibrationReport& r, const fs::path& to) {
     text << "#\n# Measured blocks: " << r.blocks << "; minimised: " << list_of(r.observables) << "; "
          << r.journal.size() << " simulations.\n# Gap over all observables: " << gap_text(r.before_study.overall)
          << " before, " << gap_text(r.after_study.overall)
-         << " calibrated.\n# Gap of what was minimised: " << gap_number(r.result.start_fit.gap()) << " before, "
-         << gap_number(r.result.best_fit.gap()) << " calibrated";
-    if (!r.result.folds.empty()) text << ", " << gap_number(r.result.held_out.gap()) << " held out";
+         << " calibrated.\n# Score, minimised (one more repeat would have): " << score_text(r.result.start_fit)
+         << " before, " << score_text(r.result.best_fit) << " calibrated";
+    if (!r.result.folds.empty()) text << ", " << score_text(r.result.held_out) << " held out";
     text << ".\n";
     for (const std::string& remark : calibration_remarks(r)) text << "# Note: " << remark << ".\n";
     for (const std::string& input : r.inputs) text << "# Input: " << input << "\n";
@@ -307,8 +312,8 @@ std::string gaps_table(const CalibrationReport& r) {
 
 constexpr const char* kHow =
     R"(<p><b>95 %</b>: where the estimate would lie in repetitions of the field test, from drawing its blocks again; it holds for the model as it is. <b>Identified</b>: the interval is shorter than
-a third of the range; <b>not identified</b>: longer than seven tenths. <b>Gap of what was minimised</b>: the score of the measured blocks against their own repeats, divided by what one more repeat would have, 1 on average if nothing differs;
-<b>held out</b>: every block predicted with the parameters that the other folds gave. A held-out gap well above the calibrated one means that chance was fitted.</p>
+a third of the range; <b>not identified</b>: longer than seven tenths. <b>Score</b>: distance of the measured blocks from their own repeats, smaller is better; in brackets what one more repeat would have: a wide simulation has a large one;
+<b>held out</b>: every block predicted with the parameters that the other folds gave. A held-out score well above the calibrated one means that chance was fitted.</p>
 )";
 
 }  // namespace
@@ -326,14 +331,14 @@ std::string calibrate_html(const CalibrationReport& r, const std::vector<Figure>
     for (const Row& row : rows_of(r))
         rows.push_back({row.key, row.before, row.after, row.interval, row.range, row.verdict});
     html << html_table({"key", "before", "calibrated", "95 %", "range", ""}, rows);
-    rows = {{"all blocks", gap_number(r.result.start_fit.gap()), gap_number(r.result.best_fit.gap())}};
+    rows = {{"all blocks", score_text(r.result.start_fit), score_text(r.result.best_fit)}};
     for (std::size_t f = 0; f < r.result.folds.size(); ++f)
         rows.push_back({"fold " + std::to_string(f + 1) + ", " + std::to_string(r.result.folds[f].held_out.size()) +
                             " blocks held out",
-                        gap_number(r.result.folds[f].start_test.gap()), gap_number(r.result.folds[f].test.gap())});
+                        score_text(r.result.folds[f].start_test), score_text(r.result.folds[f].test)});
     if (!r.result.folds.empty())
-        rows.push_back({"all folds", gap_number(r.result.held_out_start.gap()), gap_number(r.result.held_out.gap())});
-    html << html_table({"gap of what was minimised", "before", "calibrated"}, rows) << kHow;
+        rows.push_back({"all folds", score_text(r.result.held_out_start), score_text(r.result.held_out)});
+    html << html_table({"score, minimised", "before", "calibrated"}, rows) << kHow;
     for (const Figure& f : figures) html << "<h2>" << escaped(f.title) << "</h2>\n" << html_figure(f);
     html << "<h2>Measured and simulated, calibrated</h2>\n" << gaps_table(r);
     for (const Figure& f : compared) html << html_figure(f);
