@@ -143,6 +143,15 @@ std::string look_alikes(const DiagnoseStudy& study, const EffectFinding& f) {
 
 }  // namespace
 
+/// What comes nearest without being an answer: findings are ordered by weight.
+std::string nearest(const DiagnoseStudy& study) {
+    const std::vector<EffectFinding>& findings = study.diagnosis.findings;
+    if (findings.empty() || !findings.front().finalist) return "";
+    const EffectFinding& f = findings.front();
+    return "; " + variant_name(study.variant_of(f)) +
+           " comes nearest, but its own simulations look as far off in p = " + p_text(f.p) + " only";
+}
+
 std::string verdict_sentence(const DiagnoseStudy& study) {
     const Diagnosis& d = study.diagnosis;
     if (study.planning) return "planned: what a test like this could see";
@@ -157,7 +166,7 @@ std::string verdict_sentence(const DiagnoseStudy& study) {
             return "GROUP: " + names_of(study.answers) + "; these measurements cannot tell them apart";
         case Verdict::Unknown:
             return "UNKNOWN: something is missing (p = " + p_text(d.test.p) + ") that has no name in the catalogue" +
-                   (study.demoted.empty() ? "" : ": " + study.demoted);
+                   (study.demoted.empty() ? nearest(study) : ": " + study.demoted);
         case Verdict::DataProblem:
             if (study.answers.empty()) return "DATA PROBLEM: the measurements cannot be used as they are";
             return "DATA PROBLEM: " + names_of(study.answers) +
