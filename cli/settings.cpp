@@ -136,7 +136,7 @@ void add_model(std::vector<Setting<SiteSettings>>& keys) {
                                 "& Acary 2022, to compare with them, with time_step = 1e-3."));
     keys.push_back(
         model.number("time_step", "s", {1e-6, 0.02}, AT(dynamics.time_step),
-                     "Longest step in contact. event: 4e-3 has converged; longer is faster and less accurate."));
+                     "Longest step in contact. event: 8e-3 has converged; longer is faster and less accurate."));
     keys.push_back(model.number("time_limit", "s", {0.1, 1e5}, AT(dynamics.time_limit),
                                 "A block still moving then ends as time_limit."));
     keys.push_back(model.integer("seed", {0, 9e15}, AT(seed),

@@ -303,6 +303,7 @@ private:
     /// Solves for the velocities over h and moves with the mean velocity (theta = 1/2).
     State moved(const State& before, double h) {
         State after = before;
+        step_.look_ahead(before, h);
         count(step_.solve(h, drive(h, after), RestitutionRule{}, after));
         after.position = before.position + 0.5 * h * (before.velocity + after.velocity);
         after.orientation = turned(before.orientation, Spin(0.5 * h * (before.spin + after.spin)));
@@ -354,9 +355,9 @@ private:
     }
 
     /// Length of the step until the first new contact closes, on the path of the full step, given a time at which it overlaps; not below a sixteenth of
-    /// the step.
+    /// the step or 0.25 ms, whichever is less: what approaches at 3 m/s goes in by less than a millimetre.
     double shortened(const State& before, const State& after, double h, double closes) {
-        const double shortest = h / 16.0;
+        const double shortest = std::min(h / 16.0, kShortestShortened);
         double low = 0.0, high = closes;
         for (int k = 0; k < 12 && high - low > shortest; ++k) {
             const double t = 0.5 * (low + high);
@@ -555,6 +556,7 @@ private:
 
     static constexpr double kTouch = 1e-5;             ///< gap at which a flight has landed [m]
     static constexpr double kShortestFlight = 1e-7;    ///< resolution of closing times [s]
+    static constexpr double kShortestShortened = 2.5e-4;  ///< steps are not cut shorter than this [s]
     static constexpr double kEnergyTolerance = 1e-12;  ///< relative rise of energy in an impact that is rounding [-]
     static constexpr double kAllowedRise =
         1e-6;  ///< height of fall by which the solver's tolerance may raise the energy of a step [m]

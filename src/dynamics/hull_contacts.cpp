@@ -311,6 +311,7 @@ void HullContacts::add_vertex_contacts(const Vec3& position, const Mat3& rotatio
         contact.gap = facet->gap(p);
         contact.normal = facet->normal;
         contact.soil = facet->soil;
+        contact.motion = ContactMotion::TurnsWithBlock;
         contact.key = {FeaturePair::VertexOnFacet, static_cast<std::int64_t>(i), facet->id};
         if (contact.gap <= reach) {
             contacts.push_back(contact);
@@ -378,6 +379,7 @@ void HullContacts::add_tip_contacts(const Vec3& position, const Mat3& rotation, 
         contact.gap = block_.normal(face).dot(p) - block_.offset[face];
         contact.normal = -(rotation * block_.normal(face));
         if (contact.gap < -block_.inner_radius) continue;
+        contact.motion = ContactMotion::PassesBlock;
         contact.arm = arm;
         contact.key = {FeaturePair::NodeInFace, 0, node.id};
         if (std::any_of(spokes.begin(), spokes.end(),

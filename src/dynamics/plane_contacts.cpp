@@ -161,6 +161,7 @@ void PlaneContacts::add_vertex_contact(const Vec2& position, const Mat2& rotatio
     contact.gap = below.gap(p);
     contact.normal = below.normal;
     contact.soil = below.soil;
+    contact.motion = ContactMotion::TurnsWithBlock;
     contact.key = {FeaturePair::VertexOnFacet, static_cast<std::int64_t>(vertex), static_cast<std::int64_t>(touched)};
     const auto first = static_cast<std::ptrdiff_t>(contacts.size());
     if (contact.gap <= reach) contacts.push_back(contact);
@@ -229,8 +230,10 @@ void PlaneContacts::add_crest_contacts(const Vec2& position, const Mat2& rotatio
             continue;
         }
         cut_ = std::max(cut_, -at.outside);
-        if (at.outside <= reach && falls_away(crest, normal))
+        if (at.outside <= reach && falls_away(crest, normal)) {
             add_crest_contact(crest, at.outside, normal, arm, contacts);
+            contacts.back().motion = ContactMotion::PassesBlock;
+        }
         else if (at.outside < 0.0 || (!under_block && stands_through(arm, rotation)))
             add_cut_corner(crest, position, rotation, contacts);
     }

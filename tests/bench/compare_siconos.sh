@@ -64,7 +64,7 @@ siconos_runner() {  # NAME blocks every
 }
 value() { awk -v key="$2" '$1 == key { print $2 }' "$work/$1.txt"; }
 
-scree scree_event --mode event --step 4e-3
+scree scree_event --mode event --step 8e-3
 scree scree_moreau_jean --mode moreau_jean --step 1e-3
 scree scree_vertices_only --mode moreau_jean --step 1e-3 --vertices-only
 siconos_kernel siconos_kernel shipped
@@ -87,7 +87,7 @@ report() {
             -v event="$(value scree_event additions_per_block)" -v jean="$(value scree_moreau_jean additions_per_block)" \
             'BEGIN { printf "| %s | %s | %d | %.4g | %.3g | %.3g / %.3g |\n", name, what, n, cpu, adds, adds / event, adds / jean }'
     }
-    row scree_event "mode event, 4 ms"
+    row scree_event "mode event, 8 ms"
     row scree_moreau_jean "mode moreau_jean, 1 ms"
     row scree_vertices_only "the same without contacts of crests and tips: the contacts of siconos_kernel"
     row siconos_runner "standard runner: Python, height map and hull in Bullet, output every step (its default)"

@@ -87,7 +87,7 @@ TEST(Calibrate, FindsTheGroundOfTheFieldTestAndWritesASiteFileThatHasIt) {
         EXPECT_EQ(bytes.find(folder.path().string()), std::string::npos) << name;
         EXPECT_EQ(bytes.find(quarry_a().string()), std::string::npos) << name;
         if (!name.ends_with(".svg") && !name.ends_with(".html")) continue;
-        EXPECT_THAT(bytes, Not(HasSubstr("nan"))) << name;
+        EXPECT_THAT(without_pixels(bytes), Not(HasSubstr("nan"))) << name;
     }
 
     // the site file stands on its own, says where it comes from, and keeps the rest of the site

@@ -120,9 +120,9 @@ TEST(Compare, WritesReportPicturesAndLayersThatNameNoFolder) {
         EXPECT_EQ(bytes.find(quarry_a().string()), std::string::npos) << name;
         if (!name.ends_with(".svg")) continue;
         EXPECT_THAT(bytes, HasSubstr("[")) << name << ": every axis has a unit";
-        EXPECT_THAT(bytes, Not(HasSubstr("nan"))) << name;
+        EXPECT_THAT(without_pixels(bytes), Not(HasSubstr("nan"))) << name;
     }
-    EXPECT_THAT(text_of(out / "report.html"), Not(HasSubstr("nan")));
+    EXPECT_THAT(without_pixels(text_of(out / "report.html")), Not(HasSubstr("nan")));
 
     // byte for byte on any number of threads, and from compare.toml
     fs::rename(out, folder / "first");

@@ -113,6 +113,15 @@ std::map<std::string, std::string> contents_of(const fs::path& folder) {
     return contents;
 }
 
+std::string without_pixels(std::string text) {
+    const std::string begin = ";base64,";
+    for (std::size_t at = text.find(begin); at != std::string::npos; at = text.find(begin, at + 1)) {
+        const std::size_t from = at + begin.size();
+        text.erase(from, text.find('"', from) - from);
+    }
+    return text;
+}
+
 std::vector<std::string> differing_files(const fs::path& a, const fs::path& b, const std::set<std::string>& except) {
     const auto left = contents_of(a), right = contents_of(b);
     std::set<std::string> names;

@@ -39,6 +39,8 @@ bool is_json_object(const std::string& line, const std::vector<std::string>& mem
 
 /// Relative name to content, of every file below a folder.
 std::map<std::string, std::string> contents_of(const std::filesystem::path& folder);
+/// A picture or report without the pixels that it holds, in which letters follow each other by chance.
+std::string without_pixels(std::string text);
 /// Files of a folder whose bytes differ from those of another folder's, or that only one of them has.
 std::vector<std::string> differing_files(const std::filesystem::path& a, const std::filesystem::path& b,
                                          const std::set<std::string>& except = {});

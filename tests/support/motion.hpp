@@ -81,7 +81,7 @@ inline DynamicsSettings reference_settings() {
 inline DynamicsSettings tight_settings(SteppingMode mode) {
     DynamicsSettings s;
     s.mode = mode;
-    s.time_step = mode == SteppingMode::Event ? 4e-3 : 1e-3;
+    s.time_step = mode == SteppingMode::Event ? 8e-3 : 1e-3;
     s.solver.tolerance = 1e-10;
     return s;
 }

@@ -176,8 +176,8 @@ TEST_F(ProfileCampaign, CrossingsAgreeWithPassagesAndStops) {
     std::int64_t beyond = 0;
     for (const ScreenCrossing& c : r.crossings) {
         const auto profile = r.blocks[static_cast<std::size_t>(c.block)].profile;
-        // in contact the path within a step counts as straight in time: off by micrometres
-        EXPECT_NEAR(c.s, c.screen == 1 ? 20.0 : profile == 0 ? 30.0 : 25.0, 1e-5);
+        // in contact the path within a step counts as straight in time: off by hundredths of a millimetre
+        EXPECT_NEAR(c.s, c.screen == 1 ? 20.0 : profile == 0 ? 30.0 : 25.0, 5e-5);
         EXPECT_GE(c.height, 0.0);
         EXPECT_GT(c.energy, 0.0);
         crossings[c.screen] += profile == 0 ? 1 : 0;

@@ -19,7 +19,7 @@ from pathlib import Path
 from sites import PROJECT, features, np, run_table
 
 SHARD = 5000                                  # blocks of one call of scree
-STEPS = {"event": [8e-3, 4e-3, 2e-3, 1e-3, 5e-4], "moreau_jean": [8e-3, 4e-3, 2e-3, 1e-3, 5e-4, 2.5e-4, 1.25e-4]}  # [s]
+STEPS = {"event": [16e-3, 8e-3, 4e-3, 2e-3, 1e-3, 5e-4], "moreau_jean": [8e-3, 4e-3, 2e-3, 1e-3, 5e-4, 2.5e-4, 1.25e-4]}  # [s]
 SITES = ["smooth", "rough"]
 SITE_FILE = PROJECT / "sample_sites" / "quarry_a" / "site.toml"
 KS_LIMIT = math.sqrt(-math.log(0.01 / 2.0) / 2.0)  # times sqrt(1/n + 1/m): two-sample Kolmogorov-Smirnov at 1 %

@@ -7,6 +7,7 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cmath>
 
 namespace scree::test {
@@ -128,6 +129,35 @@ TEST_P(Cube, TipsOverItsLowerEdge) {
     // no slip at the edge: the centre moves around it
     const Vec3 arm = plane_frame(slope) * Vec3(-0.5 * kSide, 0.0, 0.5 * kSide);
     EXPECT_LT((end.state.velocity - spin.cross(arm)).norm(), 1e-5);
+}
+
+// The edge is a pivot, the cube a pendulum on top of it: theta'' = 3 g / (2 sqrt(2) L) sin(theta), theta the angle of the centre over the edge from the
+// vertical. Contacts look ahead to the end of a step, so that event mode follows it with the second order in the step.
+TEST(CubePivot, EventModeIsOfSecondOrder) {
+    const double slope = 50 * kDegree, start = slope - 45 * kDegree, time = 0.7;
+    double theta = start, rate = 0.0;
+    constexpr int kSteps = 100000;
+    for (int k = 0; k < kSteps; ++k) {  // leapfrog, whose error is far below what is looked for
+        const double h = time / kSteps, stiffness = 1.5 / std::sqrt(2.0) * g / kSide;
+        rate += 0.5 * h * stiffness * std::sin(theta);
+        theta += h * rate;
+        rate += 0.5 * h * stiffness * std::sin(theta);
+    }
+    const auto plane = inclined_plane(slope);
+    const FramedBlock body = cube(kSide);
+    auto error = [&](double step) {
+        DynamicsSettings settings = tight_settings(SteppingMode::Event);
+        settings.time_step = step;
+        const HullMechanics run{body.block, *plane, {Soil{"plane", 0.0, 10.0, 0.0}}, settings};
+        const TrajectoryEnd<3> end = run.until(time, body.to_block(on_plane(slope, 0.5 * kSide)));
+        EXPECT_NEAR(end.time, time, 1e-12);
+        return std::abs((end.state.orientation * end.state.spin).norm() - rate);
+    };
+    const double at_16_ms = error(16e-3), at_8_ms = error(8e-3), at_4_ms = error(4e-3);
+    RecordProperty("spin_error_rad_s", testing::PrintToString(std::array{at_16_ms, at_8_ms, at_4_ms}));
+    EXPECT_LT(at_8_ms, 2e-4 * rate);
+    EXPECT_GT(at_16_ms / at_8_ms, 3.0);
+    EXPECT_GT(at_8_ms / at_4_ms, 3.0);
 }
 
 }  // namespace scree::test

@@ -51,7 +51,7 @@ protected:
     DynamicsSettings settings() const {
         DynamicsSettings s;
         s.mode = GetParam();
-        s.time_step = GetParam() == SteppingMode::Event ? 4e-3 : 1e-3;
+        s.time_step = GetParam() == SteppingMode::Event ? 8e-3 : 1e-3;
         return s;
     }
 };

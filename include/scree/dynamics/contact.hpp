@@ -18,6 +18,13 @@ struct ContactKey {
     bool operator==(const ContactKey&) const = default;
 };
 
+/// What a contact does as the block moves on.
+enum class ContactMotion : std::uint8_t {
+    Stays,          ///< arm and normal stay: a round body, an edge across a crest
+    TurnsWithBlock, ///< its point is a corner of the block
+    PassesBlock,    ///< its point is a corner of the terrain, its normal that of a side of the block
+};
+
 /// One point where the block touches the terrain or is about to.
 template <int Dim>
 struct Contact {
@@ -26,6 +33,7 @@ struct Contact {
     Vec normal = Vec::Zero();  ///< unit, from the terrain into the block, local frame [-]
     Vec arm = Vec::Zero();     ///< contact point minus centre of mass, local frame [m]
     SoilId soil = 0;           ///< of the facet touched
+    ContactMotion motion = ContactMotion::Stays;
     ContactKey key;
 };
 
