@@ -69,6 +69,7 @@ private:
         const auto& parameters = study_.keys.problem.parameters;
         for (std::size_t k = 0; k < parameters.size(); ++k) {
             p.calibrated.push_back(to_unit(parameters[k], model.point.values[k]));
+            p.given.push_back(to_unit(parameters[k], parameters[k].start));
             p.low.push_back(0.0);
             p.high.push_back(1.0);
             double step = kPlannedStep;

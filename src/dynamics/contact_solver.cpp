@@ -21,6 +21,7 @@ namespace scree {
 
 template <int Dim>
 void ContactProblem<Dim>::resize(int contacts) {
+    if (contacts == count) return;
     count = contacts;
     delassus.resize(kLocal * contacts, kLocal * contacts);
     free_velocity.resize(kLocal * contacts);

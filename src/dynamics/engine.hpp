@@ -274,8 +274,7 @@ private:
         const double energy_before = energy(before);
         double h = std::min({settings_.time_step, std::max(settings_.time_limit - time_, 1e-9),
                              kMoveInContact * finder_.inner_radius() / std::max(fastest_point(before), 1e-9)});
-        step_.set_contacts(closed_, rotation_matrix(before.orientation));
-        if (effects_) change_laws(before);
+        if (effects_) change_laws(before);  // of the contacts that the look for an impact has set
         State after = moved(before, h);
         const double closes = first_overlap(before, after, h);
         if (closes <= h) {

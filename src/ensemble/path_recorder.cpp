@@ -38,7 +38,7 @@ void PathRecorder<Dim>::segment(const MotionSegment<Dim>& m) {
     result_.path_length += m.duration / 6.0 * (v0 + 4.0 * vm + v1);
     result_.largest_speed = std::max({result_.largest_speed, v0, v1});  // the square of the speed is convex in time
     result_.largest_energy = std::max({result_.largest_energy, energy_at(m, 0.0), energy_at(m, 1.0)});
-    cross_cells(m);
+    if (input_.passages) cross_cells(m);
     if (!crossed_.empty()) {
         fresh_.clear();
         cross_screens(m);

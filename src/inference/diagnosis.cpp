@@ -43,7 +43,12 @@ struct Hypothesis {
     double strength_deviation = kNaN;
     double q = kInfinity;  ///< what is left [-]
     double p = 0.0;
+    bool from_given = false;  ///< followed from the parameters that the site was given
 };
+
+Eigen::VectorXd to_vector(const std::vector<double>& values) {
+    return Eigen::Map<const Eigen::VectorXd>(values.data(), static_cast<Eigen::Index>(values.size()));
+}
 
 class Diagnoser {
 public:
@@ -53,8 +58,7 @@ public:
         SCREE_ASSERT(problem.low.size() == problem.calibrated.size() &&
                      problem.high.size() == problem.calibrated.size() &&
                      problem.step.size() == problem.calibrated.size());
-        calibrated_ = Eigen::Map<const Eigen::VectorXd>(problem.calibrated.data(),
-                                                        static_cast<Eigen::Index>(problem.calibrated.size()));
+        base_.parameters = to_vector(problem.calibrated);
         for (std::size_t e = 0; e < problem.effects.size(); ++e)
             for (std::size_t v = 0; v < problem.effects[e].variants.size(); ++v) variants_.push_back({e, v, 1.0});
         planned_ = 1 + kRecentrings + 2 * problem.calibrated.size() + variants_.size() +
@@ -67,14 +71,17 @@ private:
     std::optional<ObservationTable> simulate(const char* stage, const Eigen::VectorXd& parameters,
                                              std::vector<EffectDose> effects, std::int64_t repeats);
     Eigen::VectorXd within_ranges(Eigen::VectorXd parameters) const;
-    bool build_space();
+    bool build_space(std::span<const Residual> residuals = {});
     bool differentiate();
     void take_jacobian();
     bool recentre();
     bool take_fingerprints();
     void judge(Diagnosis& d) const;
-    std::vector<Hypothesis> finalists(const Diagnosis& d) const;
+    std::size_t fingerprint_of(const EffectFinding& f) const;
+    std::vector<EffectFinding> findings(const ScoreResult& score, double z_limit) const;
+    std::vector<Hypothesis> finalists(const std::vector<EffectFinding>& findings) const;
     bool follow(Hypothesis& h);
+    bool follow_from_given(std::vector<Hypothesis>& followed);
     void weigh(Diagnosis& d, std::vector<Hypothesis>& followed) const;
     void conclude(Diagnosis& d) const;
     double goodness_of_fit(const ResidualRows& rows, const Eigen::MatrixXd& covariance,
@@ -85,19 +92,23 @@ private:
     const DiagnosisSettings& settings_;
     const DiagnosisSimulation& simulate_;
     const std::function<void(const DiagnosisProgress&)>& progress_;
-    Eigen::VectorXd calibrated_;
     std::vector<EffectDose> variants_;  ///< of all effects, at the reference strength
-    std::optional<ResidualSpace> space_;
-    std::optional<ScoreTest> test_;
-    /// Simulations on either side of the calibrated model, of one parameter.
+    /// Simulations on either side of a model, of one parameter.
     struct Difference {
         ObservationTable above, below;
         double width = 0.0;  ///< [*]
     };
-    std::vector<Difference> differences_;
-    Eigen::MatrixXd jacobian_;
-    Eigen::VectorXd deviation_;
-    ResidualMean observed_;
+    /// A model without effects, and how it changes with parameters and effects.
+    struct Base {
+        Eigen::VectorXd parameters;
+        std::optional<ResidualSpace> space;
+        ResidualMean observed;
+        std::vector<Difference> differences;
+        Eigen::MatrixXd jacobian;
+        std::optional<ScoreTest> test;  ///< with the fingerprints
+    };
+    Base base_;
+    Eigen::VectorXd deviation_;  ///< of the parameters before the test: of their ranges
     std::size_t done_ = 0, planned_ = 0;
     std::int64_t simulated_ = 0;
     std::uint64_t next_seed_ = 0;
@@ -123,27 +134,27 @@ Eigen::VectorXd Diagnoser::within_ranges(Eigen::VectorXd parameters) const {
     return parameters;
 }
 
-bool Diagnoser::build_space() {
-    auto reference = simulate("calibrated model", calibrated_, {}, settings_.reference_repeats);
+bool Diagnoser::build_space(std::span<const Residual> residuals) {
+    auto reference = simulate("calibrated model", base_.parameters, {}, settings_.reference_repeats);
     if (!reference) return false;
-    space_.emplace(std::move(*reference), measured_, problem_.blocks, settings_.residuals);
-    observed_ = mean_residual(space_->of(measured_));
+    base_.space.emplace(std::move(*reference), measured_, problem_.blocks, settings_.residuals, residuals);
+    base_.observed = mean_residual(base_.space->of(measured_));
     return true;
 }
 
 /// Central differences, one-sided at the end of a range.
 bool Diagnoser::differentiate() {
-    deviation_.resize(calibrated_.size());
-    for (Eigen::Index k = 0; k < calibrated_.size(); ++k) {
+    deviation_.resize(base_.parameters.size());
+    for (Eigen::Index k = 0; k < base_.parameters.size(); ++k) {
         const auto j = static_cast<std::size_t>(k);
         deviation_[k] = (problem_.high[j] - problem_.low[j]) / std::sqrt(12.0);
-        Eigen::VectorXd up = calibrated_, down = calibrated_;
-        up[k] = std::min(calibrated_[k] + problem_.step[j], problem_.high[j]);
-        down[k] = std::max(calibrated_[k] - problem_.step[j], problem_.low[j]);
+        Eigen::VectorXd up = base_.parameters, down = base_.parameters;
+        up[k] = std::min(base_.parameters[k] + problem_.step[j], problem_.high[j]);
+        down[k] = std::max(base_.parameters[k] - problem_.step[j], problem_.low[j]);
         auto above = simulate("derivatives", up, {}, settings_.repeats);
         auto below = above ? simulate("derivatives", down, {}, settings_.repeats) : std::nullopt;
         if (!below) return false;
-        differences_.push_back({std::move(*above), std::move(*below), up[k] - down[k]});
+        base_.differences.push_back({std::move(*above), std::move(*below), up[k] - down[k]});
     }
     take_jacobian();
     return true;
@@ -151,11 +162,11 @@ bool Diagnoser::differentiate() {
 
 /// The derivatives in the residual space of the reference.
 void Diagnoser::take_jacobian() {
-    jacobian_.resize(observed_.mean.size(), calibrated_.size());
-    for (Eigen::Index k = 0; k < calibrated_.size(); ++k) {
-        const Difference& d = differences_[static_cast<std::size_t>(k)];
-        jacobian_.col(k) =
-            (mean_residual(space_->of(d.above)).mean - mean_residual(space_->of(d.below)).mean) / d.width;
+    base_.jacobian.resize(base_.observed.mean.size(), base_.parameters.size());
+    for (Eigen::Index k = 0; k < base_.parameters.size(); ++k) {
+        const Difference& d = base_.differences[static_cast<std::size_t>(k)];
+        base_.jacobian.col(k) =
+            (mean_residual(base_.space->of(d.above)).mean - mean_residual(base_.space->of(d.below)).mean) / d.width;
     }
 }
 
@@ -163,23 +174,23 @@ void Diagnoser::take_jacobian() {
 /// parameters, as long as that leaves less.
 bool Diagnoser::recentre() {
     for (int round = 0; round < kRecentrings; ++round) {
-        const ScoreTest test(row_covariance(space_->of_reference()), jacobian_, deviation_, {});
-        const ScoreResult score = test(observed_);
-        const Eigen::VectorXd before = calibrated_;
+        const ScoreTest test(row_covariance(base_.space->of_reference()), base_.jacobian, deviation_, {});
+        const ScoreResult score = test(base_.observed);
+        const Eigen::VectorXd before = base_.parameters;
         if (!((score.shift.array() / score.shift_deviation.array()).abs().maxCoeff() > kLeastMove)) return true;
         std::optional<ResidualSpace> kept;
-        kept.swap(space_);
-        const ResidualMean observed = observed_;
-        const Eigen::MatrixXd jacobian = jacobian_;
-        calibrated_ = within_ranges(calibrated_ + score.shift);
+        kept.swap(base_.space);
+        const ResidualMean observed = base_.observed;
+        const Eigen::MatrixXd jacobian = base_.jacobian;
+        base_.parameters = within_ranges(base_.parameters + score.shift);
         if (!build_space()) return false;
         take_jacobian();
-        const ScoreTest moved(row_covariance(space_->of_reference()), jacobian_, deviation_, {});
-        if (moved(observed_).q < score.q) continue;
-        calibrated_ = before;
-        space_.swap(kept);
-        observed_ = observed;
-        jacobian_ = jacobian;
+        const ScoreTest moved(row_covariance(base_.space->of_reference()), base_.jacobian, deviation_, {});
+        if (moved(base_.observed).q < score.q) continue;
+        base_.parameters = before;
+        base_.space.swap(kept);
+        base_.observed = observed;
+        base_.jacobian = jacobian;
         return true;
     }
     return true;
@@ -188,26 +199,45 @@ bool Diagnoser::recentre() {
 bool Diagnoser::take_fingerprints() {
     std::vector<Fingerprint> fingerprints;
     for (const EffectDose& v : variants_) {
-        const auto table = simulate("fingerprints", calibrated_, {v}, settings_.repeats);
+        const auto table = simulate("fingerprints", base_.parameters, {v}, settings_.repeats);
         if (!table) return false;
-        fingerprints.push_back({mean_residual(space_->of(*table)).mean, static_cast<double>(table->rows())});
+        fingerprints.push_back({mean_residual(base_.space->of(*table)).mean, static_cast<double>(table->rows())});
     }
-    test_.emplace(row_covariance(space_->of_reference()), jacobian_, deviation_, std::move(fingerprints));
-    const ScoreResult score = (*test_)(observed_);
+    base_.test.emplace(row_covariance(base_.space->of_reference()), base_.jacobian, deviation_, std::move(fingerprints));
+    const ScoreResult score = (*base_.test)(base_.observed);
     for (std::size_t k = 0; k < variants_.size(); ++k) {
         const double most = problem_.effects[variants_[k].effect].variants[variants_[k].variant].most;
-        test_->judge(k, score.visibility[static_cast<Eigen::Index>(k)] * most >= kLeastVisible);
+        base_.test->judge(k, score.visibility[static_cast<Eigen::Index>(k)] * most >= kLeastVisible);
     }
     return true;
 }
 
 void Diagnoser::judge(Diagnosis& d) const {
-    d.residuals = space_->residuals();
-    d.score = (*test_)(observed_);
+    d.residuals = base_.space->residuals();
+    d.score = (*base_.test)(base_.observed);
     d.test =
-        global_test(*test_, d.score, NullRows(*space_, measured_), settings_.draws, settings_.level, settings_.seed);
-    const Eigen::MatrixXd cosines = test_->cosines(observed_.together);
-    std::vector<Eigen::Index> best;
+        global_test(*base_.test, d.score, NullRows(*base_.space, measured_), settings_.draws, settings_.level, settings_.seed);
+    d.findings = findings(d.score, d.test.z_limit);
+    const Eigen::MatrixXd cosines = base_.test->cosines(base_.observed.together);
+    const auto at = [&](const EffectFinding& f) { return static_cast<Eigen::Index>(fingerprint_of(f)); };
+    const auto count = static_cast<Eigen::Index>(d.findings.size());
+    d.cosines.resize(count, count);
+    for (Eigen::Index a = 0; a < count; ++a)
+        for (Eigen::Index b = 0; b < count; ++b)
+            d.cosines(a, b) =
+                cosines(at(d.findings[static_cast<std::size_t>(a)]), at(d.findings[static_cast<std::size_t>(b)]));
+}
+
+std::size_t Diagnoser::fingerprint_of(const EffectFinding& f) const {
+    const auto found = std::find_if(variants_.begin(), variants_.end(), [&](const EffectDose& v) {
+        return v.effect == f.effect && v.variant == f.variant;
+    });
+    return static_cast<std::size_t>(found - variants_.begin());
+}
+
+/// Every effect by its best variant.
+std::vector<EffectFinding> Diagnoser::findings(const ScoreResult& score, double z_limit) const {
+    std::vector<EffectFinding> all;
     for (std::size_t e = 0; e < problem_.effects.size(); ++e) {
         EffectFinding f;
         f.effect = e;
@@ -217,12 +247,12 @@ void Diagnoser::judge(Diagnosis& d) const {
             if (variants_[k].effect != e) continue;
             const auto i = static_cast<Eigen::Index>(k);
             const auto better = [&](Eigen::Index a, Eigen::Index b) {  // what can be seen first
-                const bool seen_a = test_->fingerprints()[static_cast<std::size_t>(a)].judged,
-                           seen_b = test_->fingerprints()[static_cast<std::size_t>(b)].judged;
-                return seen_a != seen_b ? seen_a : d.score.z[a] > d.score.z[b];
+                const bool seen_a = base_.test->fingerprints()[static_cast<std::size_t>(a)].judged,
+                           seen_b = base_.test->fingerprints()[static_cast<std::size_t>(b)].judged;
+                return seen_a != seen_b ? seen_a : score.z[a] > score.z[b];
             };
             if (at < 0 || better(i, at)) at = i;
-            const double strength = (d.test.z_limit + kFourOfFive) / std::max(d.score.visibility[i], 1e-9);
+            const double strength = (z_limit + kFourOfFive) / std::max(score.visibility[i], 1e-9);
             const double most = problem_.effects[e].variants[variants_[k].variant].most;
             if (strength <= most && strength / most < seen) {  // in shares of what is allowed
                 seen = strength / most;
@@ -232,39 +262,47 @@ void Diagnoser::judge(Diagnosis& d) const {
         }
         if (at < 0) continue;
         f.variant = variants_[static_cast<std::size_t>(at)].variant;
-        f.visible = test_->fingerprints()[static_cast<std::size_t>(at)].judged;
-        f.z = d.score.z[at];
-        f.visibility = d.score.visibility[at];
+        f.visible = base_.test->fingerprints()[static_cast<std::size_t>(at)].judged;
+        f.z = score.z[at];
+        f.visibility = score.visibility[at];
         if (std::isinf(seen)) f.smallest_seen = kInfinity;
-        best.push_back(at);
-        d.findings.push_back(f);
+        all.push_back(f);
     }
-    const auto count = static_cast<Eigen::Index>(best.size());
-    d.cosines.resize(count, count);
-    for (Eigen::Index a = 0; a < count; ++a)
-        for (Eigen::Index b = 0; b < count; ++b)
-            d.cosines(a, b) = cosines(best[static_cast<std::size_t>(a)], best[static_cast<std::size_t>(b)]);
+    return all;
 }
 
 /// The best variant of every effect that comes near the best one, and of what looks like the best one.
-std::vector<Hypothesis> Diagnoser::finalists(const Diagnosis& d) const {
-    std::vector<std::size_t> order;
-    for (std::size_t k = 0; k < d.findings.size(); ++k)
-        if (d.findings[k].visible) order.push_back(k);
-    std::sort(order.begin(), order.end(),
-              [&](std::size_t a, std::size_t b) { return d.findings[a].z > d.findings[b].z; });
+std::vector<Hypothesis> Diagnoser::finalists(const std::vector<EffectFinding>& findings) const {
+    std::vector<EffectFinding> visible;
+    std::copy_if(findings.begin(), findings.end(), std::back_inserter(visible),
+                 [](const EffectFinding& f) { return f.visible && f.z > 0.0; });
+    std::stable_sort(visible.begin(), visible.end(),
+                     [](const EffectFinding& a, const EffectFinding& b) { return a.z > b.z; });
     std::vector<Hypothesis> chosen;
-    for (const std::size_t k : order) {
-        if (chosen.size() == settings_.finalists) break;
-        const EffectFinding& f = d.findings[k];
-        if (!(f.z > 0.0) || (!chosen.empty() && f.z < kFinalistShare * d.findings[order.front()].z)) break;
+    for (const EffectFinding& f : visible) {
+        if (chosen.size() == settings_.finalists || f.z < kFinalistShare * visible.front().z) break;
         Hypothesis h;
-        for (std::size_t v = 0; v < variants_.size(); ++v)
-            if (variants_[v].effect == f.effect && variants_[v].variant == f.variant) h.fingerprint = v;
-        h.parameters = calibrated_;
+        h.fingerprint = fingerprint_of(f);
+        h.parameters = base_.parameters;
         chosen.push_back(std::move(h));
     }
     return chosen;
+}
+
+/// A calibration makes up for what is missing, with parameters at which the missing effect may be out of sight: a rolling resistance that grows with size
+/// does nothing where none is left. The same look again from the parameters that were given before the calibration.
+bool Diagnoser::follow_from_given(std::vector<Hypothesis>& followed) {
+    Base calibrated;
+    std::swap(calibrated, base_);
+    base_.parameters = to_vector(problem_.given);
+    bool whole = build_space(calibrated.space->residuals()) && differentiate() && take_fingerprints();
+    for (Hypothesis& h : whole ? finalists(findings((*base_.test)(base_.observed), 0.0)) : std::vector<Hypothesis>{}) {
+        h.from_given = true;
+        whole = whole && follow(h);
+        followed.push_back(std::move(h));
+    }
+    std::swap(calibrated, base_);
+    return whole;
 }
 
 /// Gauss-Newton on parameters and strength, with a simulation at every point. Each point has the residual space of its own simulation: far from the
@@ -274,13 +312,13 @@ std::vector<Hypothesis> Diagnoser::finalists(const Diagnosis& d) const {
 bool Diagnoser::follow(Hypothesis& h) {
     const EffectDose& variant = variants_[h.fingerprint];
     const double most = problem_.effects[variant.effect].variants[variant.variant].most;
-    const Eigen::Index count = calibrated_.size();
-    Eigen::MatrixXd directions(observed_.mean.size(), count + 1);
-    directions << jacobian_, test_->fingerprints()[h.fingerprint].change;
+    const Eigen::Index count = base_.parameters.size();
+    Eigen::MatrixXd directions(base_.observed.mean.size(), count + 1);
+    directions << base_.jacobian, base_.test->fingerprints()[h.fingerprint].change;
     Eigen::VectorXd prior(count + 1), scale(count + 1), start(count + 1);
     prior << deviation_.array().square().inverse().matrix(), 0.0;
     scale << deviation_.array().square().inverse().matrix(), 1.0;
-    start << calibrated_, 0.0;
+    start << base_.parameters, 0.0;
     struct Point {
         Eigen::VectorXd at;
         ResidualRows rows;           ///< of its simulation
@@ -301,7 +339,7 @@ bool Diagnoser::follow(Hypothesis& h) {
         auto table = simulate("finalists", p.at.head(count), {dose}, repeats);
         if (!table) return false;
         const ResidualSpace space(std::move(*table), measured_, problem_.blocks, settings_.residuals,
-                                  space_->residuals());
+                                  base_.space->residuals());
         p.rows = space.of_reference();
         p.covariance = row_covariance(p.rows);
         p.observed = mean_residual(space.of(measured_));
@@ -326,7 +364,7 @@ bool Diagnoser::follow(Hypothesis& h) {
         return step;
     };
 
-    Point now{start, space_->of_reference(), row_covariance(space_->of_reference()), observed_, kInfinity};
+    Point now{start, base_.space->of_reference(), row_covariance(base_.space->of_reference()), base_.observed, kInfinity};
     judge(now);
     double share = 1.0;
     for (int round = 0; round < settings_.rounds; ++round) {
@@ -377,7 +415,7 @@ double Diagnoser::goodness_of_fit(const ResidualRows& rows, const Eigen::MatrixX
 
 /// Posterior weights of the finalists: likelihood, times the price of the strength (Laplace's approximation with a prior that is flat over the
 /// allowed strengths) and of the choice among effects and variants. The calibrated model is weighed against the best of them by the z of its
-/// fingerprint, whose noise is that of one simulation and not of two.
+/// fingerprint, whose noise is that of one simulation and not of two; where that was out of sight, by what it leaves itself.
 void Diagnoser::weigh(Diagnosis& d, std::vector<Hypothesis>& followed) const {
     std::vector<double> log_weight;
     auto price = [&](const Hypothesis& h) {
@@ -388,12 +426,24 @@ void Diagnoser::weigh(Diagnosis& d, std::vector<Hypothesis>& followed) const {
         return std::log(std::min(1.0, strength) * (1.0 - settings_.prior_none) /
                         static_cast<double>(problem_.effects.size() * effect.variants.size()));
     };
-    for (const Hypothesis& h : followed) log_weight.push_back(-0.5 * h.q + price(h));
-    const auto best =
-        static_cast<std::size_t>(std::max_element(log_weight.begin(), log_weight.end()) - log_weight.begin());
-    const double z = d.score.z[static_cast<Eigen::Index>(followed[best].fingerprint)];
-    const double log_none = log_weight[best] - 0.5 * z * z - price(followed[best]) + std::log(settings_.prior_none);
-    const double most = std::max(log_weight[best], log_none);
+    const auto log_of = [&](const Hypothesis& h) { return -0.5 * h.q + price(h); };
+    std::stable_sort(followed.begin(), followed.end(),
+                     [&](const Hypothesis& a, const Hypothesis& b) { return log_of(a) > log_of(b); });
+    const auto effect_of = [&](const Hypothesis& h) { return variants_[h.fingerprint].effect; };
+    for (std::size_t k = 1; k < followed.size();) {  // of an effect that was followed twice the better one
+        const bool known = std::any_of(followed.begin(), followed.begin() + static_cast<std::ptrdiff_t>(k),
+                                       [&](const Hypothesis& h) { return effect_of(h) == effect_of(followed[k]); });
+        if (known)
+            followed.erase(followed.begin() + static_cast<std::ptrdiff_t>(k));
+        else
+            ++k;
+    }
+    for (const Hypothesis& h : followed) log_weight.push_back(log_of(h));
+    const Hypothesis& best = followed.front();
+    const double z = d.score.z[static_cast<Eigen::Index>(best.fingerprint)];
+    const double gain = best.from_given ? std::max(d.score.q - best.q, 0.0) : z * z;
+    const double log_none = log_weight.front() - 0.5 * gain - price(best) + std::log(settings_.prior_none);
+    const double most = std::max(log_weight.front(), log_none);
     double sum = std::exp(log_none - most);
     for (const double w : log_weight) sum += std::exp(w - most);
     d.weight_none = std::exp(log_none - most) / sum;
@@ -403,6 +453,7 @@ void Diagnoser::weigh(Diagnosis& d, std::vector<Hypothesis>& followed) const {
                                          [&](const EffectFinding& x) { return x.effect == v.effect; });
         const double largest = problem_.effects[v.effect].variants[v.variant].most;
         f.finalist = true;
+        f.variant = v.variant;
         f.strength = followed[k].strength;
         f.strength_interval = {std::max(0.0, f.strength - kNinety * followed[k].strength_deviation),
                                std::min(largest, f.strength + kNinety * followed[k].strength_deviation)};
@@ -439,15 +490,19 @@ Diagnosis Diagnoser::run(bool measured) {
     if (!build_space() || !differentiate() || (measured && !recentre()) || !take_fingerprints()) return d;
     judge(d);
     const bool rejected = measured && d.test.p <= settings_.level;
-    std::vector<Hypothesis> followed = rejected ? finalists(d) : std::vector<Hypothesis>{};
+    std::vector<Hypothesis> followed = rejected ? finalists(d.findings) : std::vector<Hypothesis>{};
     for (Hypothesis& h : followed)
         if (!follow(h)) return d;
+    const auto explains = [&](const Hypothesis& h) { return h.p > settings_.rejected; };
+    if (rejected && !problem_.given.empty() && std::none_of(followed.begin(), followed.end(), explains) &&
+        !follow_from_given(followed))
+        return d;
     if (!followed.empty()) weigh(d, followed);
     std::stable_sort(d.findings.begin(), d.findings.end(), [](const EffectFinding& a, const EffectFinding& b) {
         return a.weight != b.weight ? a.weight > b.weight : a.z > b.z;
     });
     if (rejected) conclude(d);
-    d.parameters.assign(calibrated_.data(), calibrated_.data() + calibrated_.size());
+    d.parameters.assign(base_.parameters.data(), base_.parameters.data() + base_.parameters.size());
     d.simulated_blocks = simulated_;
     d.interrupted = false;
     return d;

@@ -62,6 +62,9 @@ ScoreTest::ScoreTest(Eigen::MatrixXd covariance, Eigen::MatrixXd jacobian, Eigen
       fingerprints_(std::move(fingerprints)) {
     SCREE_ASSERT(covariance_.rows() == covariance_.cols() && jacobian_.rows() == covariance_.rows() &&
                  jacobian_.cols() == deviation_.size());
+    changes_.resize(covariance_.rows(), static_cast<Eigen::Index>(fingerprints_.size()));
+    for (std::size_t k = 0; k < fingerprints_.size(); ++k)
+        changes_.col(static_cast<Eigen::Index>(k)) = fingerprints_[k].change;
 }
 
 ScoreTest::Projection ScoreTest::project(const Eigen::MatrixXd& together) const {
@@ -88,28 +91,25 @@ ScoreResult ScoreTest::operator()(const ResidualMean& r) const {
     const auto count = static_cast<Eigen::Index>(fingerprints_.size());
     result.z.resize(count);
     result.visibility.resize(count);
-    const double n = r.together.diagonal().maxCoeff();
+    const double n = r.together.diagonal().maxCoeff(), trace = p.P.cwiseProduct(p.S).sum();  // of P S: symmetric both
+    const Eigen::VectorXd squared = changes_.cwiseProduct(p.P * changes_).colwise().sum(),
+                          product = changes_.transpose() * Pr;
     for (Eigen::Index k = 0; k < count; ++k) {
-        const Fingerprint& f = fingerprints_[static_cast<std::size_t>(k)];
-        const double squared = f.change.dot(p.P * f.change);
         // a fingerprint from N rows has the covariance of N rows: E f^T P f grows by trace(P S) n / N
-        const double noise = (p.P * p.S).trace() * n / f.rows;
-        result.z[k] = squared > 0.0 ? f.change.dot(Pr) / std::sqrt(squared) : 0.0;
-        result.visibility[k] = std::sqrt(std::max(squared - noise, 0.0));
+        const double noise = trace * n / fingerprints_[static_cast<std::size_t>(k)].rows;
+        result.z[k] = squared[k] > 0.0 ? product[k] / std::sqrt(squared[k]) : 0.0;
+        result.visibility[k] = std::sqrt(std::max(squared[k] - noise, 0.0));
     }
     // residuals after recalibration: (I - J gain) r, with covariance (I - J gain) S (I - J gain)^T
     const Eigen::MatrixXd left = Eigen::MatrixXd::Identity(p.S.rows(), p.S.cols()) - jacobian_ * p.gain;
-    const Eigen::ArrayXd variance = (left * p.S * left.transpose()).diagonal().array();
+    const Eigen::ArrayXd variance = (left * p.S).cwiseProduct(left).rowwise().sum().array();
     result.standardised = ((left * r.mean).array() / variance.max(1e-24).sqrt()).matrix();
     return result;
 }
 
 Eigen::MatrixXd ScoreTest::cosines(const Eigen::MatrixXd& together) const {
     const Projection p = project(together);
-    const auto count = static_cast<Eigen::Index>(fingerprints_.size());
-    Eigen::MatrixXd F(covariance_.rows(), count);
-    for (Eigen::Index k = 0; k < count; ++k) F.col(k) = fingerprints_[static_cast<std::size_t>(k)].change;
-    Eigen::MatrixXd products = F.transpose() * p.P * F;
+    const Eigen::MatrixXd products = changes_.transpose() * p.P * changes_;
     const Eigen::VectorXd length = products.diagonal().cwiseMax(1e-24).cwiseSqrt();
     return products.array() / (length * length.transpose()).array();
 }

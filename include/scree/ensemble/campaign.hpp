@@ -115,6 +115,7 @@ struct CampaignInput {
     std::vector<ProfileTrack> tracks;                 ///< 2D: the profiles; empty: 3D
     const ProfileRelease* profile_release = nullptr;  ///< 2D
     double cell_along = 1.0;                          ///< 2D: length of the cells along a profile [m]
+    bool passages = true;  ///< follow what passes every cell; without, stops and crossings are all that is kept
     std::vector<Screen> screens;
     double screen_span =
         0.0;  ///< length around a screen over which ScreenCrossing::measured_speed is a mean; 0: none [m]

@@ -55,6 +55,7 @@ using DiagnosisSimulation = std::function<std::optional<ObservationTable>(const 
 
 struct DiagnosisProblem {
     std::vector<double> calibrated;  ///< parameters of the calibrated model [*]
+    std::vector<double> given;       ///< what they were before the calibration; empty: unknown [*]
     std::vector<double> low, high;   ///< ranges that they were calibrated in [*]
     std::vector<double> step;        ///< differences for derivatives: about the parameter's uncertainty [*]
     std::vector<CandidateEffect> effects;

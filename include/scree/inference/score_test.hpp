@@ -77,6 +77,7 @@ private:
     Eigen::MatrixXd covariance_, jacobian_;
     Eigen::VectorXd deviation_;
     std::vector<Fingerprint> fingerprints_;
+    Eigen::MatrixXd changes_;  ///< theirs, side by side
 };
 
 /// Rows of the reference put in the place of the measured ones, as often as asked: what chance gives if nothing is missing.
