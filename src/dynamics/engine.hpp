@@ -553,10 +553,10 @@ private:
         if (++turns_ > kMostTurns) finish(StopReason::Failed);
     }
 
-    static constexpr double kTouch = 1e-5;             ///< gap at which a flight has landed [m]
-    static constexpr double kShortestFlight = 1e-7;    ///< resolution of closing times [s]
+    static constexpr double kTouch = 1e-5;                ///< gap at which a flight has landed [m]
+    static constexpr double kShortestFlight = 1e-7;       ///< resolution of closing times [s]
     static constexpr double kShortestShortened = 2.5e-4;  ///< steps are not cut shorter than this [s]
-    static constexpr double kEnergyTolerance = 1e-12;  ///< relative rise of energy in an impact that is rounding [-]
+    static constexpr double kEnergyTolerance = 1e-12;     ///< relative rise of energy in an impact that is rounding [-]
     static constexpr double kAllowedRise =
         1e-6;  ///< height of fall by which the solver's tolerance may raise the energy of a step [m]
     static constexpr double kMoveInContact =

@@ -32,12 +32,19 @@ constexpr double kLeastMove = 1.5;
 constexpr double kSettled = 1.0;
 /// Change of the mean residual, squared and over its covariance, beside which the noise of two simulations is small [-].
 constexpr double kWorthLearning = 4.0;
+/// Share of a fingerprint's length that is taken for noise, at most [-].
+constexpr double kMostNoise = 0.5;
 /// Samples of a simulation that its goodness of fit is judged by [-].
 constexpr std::int64_t kFitDraws = 299;
 
-/// One effect with its parameters, as far as it has been followed.
+/// A finalist that is no effect: the model itself.
+constexpr std::size_t kNoEffect = static_cast<std::size_t>(-1);
+/// What another place for the parameters must leave less to be looked at, of Q [-].
+constexpr double kWorthMoving = 8.0;
+
+/// One effect, or none, with its parameters, as far as it has been followed.
 struct Hypothesis {
-    std::size_t fingerprint = 0;
+    std::size_t fingerprint = kNoEffect;
     Eigen::VectorXd parameters;
     double strength = 0.0;
     double strength_deviation = kNaN;
@@ -81,7 +88,10 @@ private:
     std::vector<EffectFinding> findings(const ScoreResult& score, double z_limit) const;
     std::vector<Hypothesis> finalists(const std::vector<EffectFinding>& findings) const;
     bool follow(Hypothesis& h);
-    bool follow_from_given(std::vector<Hypothesis>& followed);
+    bool rejected(const Diagnosis& d) const { return d.test.p <= settings_.level; }
+    bool move_base(Diagnosis& d, const Hypothesis& without);
+    bool settle_base(Diagnosis& d);
+    bool follow_from_given(Diagnosis& d, std::vector<Hypothesis>& followed);
     void weigh(Diagnosis& d, std::vector<Hypothesis>& followed) const;
     void conclude(Diagnosis& d) const;
     double goodness_of_fit(const ResidualRows& rows, const Eigen::MatrixXd& covariance,
@@ -203,7 +213,8 @@ bool Diagnoser::take_fingerprints() {
         if (!table) return false;
         fingerprints.push_back({mean_residual(base_.space->of(*table)).mean, static_cast<double>(table->rows())});
     }
-    base_.test.emplace(row_covariance(base_.space->of_reference()), base_.jacobian, deviation_, std::move(fingerprints));
+    base_.test.emplace(row_covariance(base_.space->of_reference()), base_.jacobian, deviation_,
+                       std::move(fingerprints));
     const ScoreResult score = (*base_.test)(base_.observed);
     for (std::size_t k = 0; k < variants_.size(); ++k) {
         const double most = problem_.effects[variants_[k].effect].variants[variants_[k].variant].most;
@@ -215,8 +226,8 @@ bool Diagnoser::take_fingerprints() {
 void Diagnoser::judge(Diagnosis& d) const {
     d.residuals = base_.space->residuals();
     d.score = (*base_.test)(base_.observed);
-    d.test =
-        global_test(*base_.test, d.score, NullRows(*base_.space, measured_), settings_.draws, settings_.level, settings_.seed);
+    d.test = global_test(*base_.test, d.score, NullRows(*base_.space, measured_), settings_.draws, settings_.level,
+                         settings_.seed);
     d.findings = findings(d.score, d.test.z_limit);
     const Eigen::MatrixXd cosines = base_.test->cosines(base_.observed.together);
     const auto at = [&](const EffectFinding& f) { return static_cast<Eigen::Index>(fingerprint_of(f)); };
@@ -289,20 +300,50 @@ std::vector<Hypothesis> Diagnoser::finalists(const std::vector<EffectFinding>& f
     return chosen;
 }
 
+/// Tests the model at the parameters of a hypothesis without effect, and stays there if chance has more to say for it.
+bool Diagnoser::move_base(Diagnosis& d, const Hypothesis& without) {
+    if (without.q > d.score.q - kWorthMoving) return true;
+    Base before;
+    std::swap(before, base_);
+    base_.parameters = without.parameters;
+    Diagnosis moved;
+    moved.interrupted = d.interrupted;
+    if (!build_space(before.space->residuals()) || !differentiate() || !take_fingerprints()) return false;
+    judge(moved);
+    if (moved.test.p > d.test.p)
+        d = std::move(moved);
+    else
+        std::swap(before, base_);
+    return true;
+}
+
+/// A model that is rejected gets what every effect gets: its parameters are followed to where its own simulations leave least.
+bool Diagnoser::settle_base(Diagnosis& d) {
+    Hypothesis without;
+    return follow(without) && move_base(d, without);
+}
+
 /// A calibration makes up for what is missing, with parameters at which the missing effect may be out of sight: a rolling resistance that grows with size
-/// does nothing where none is left. The same look again from the parameters that were given before the calibration.
-bool Diagnoser::follow_from_given(std::vector<Hypothesis>& followed) {
-    Base calibrated;
+/// does nothing where none is left; or it has settled in the wrong valley. The same look again from the parameters that were given before the calibration.
+bool Diagnoser::follow_from_given(Diagnosis& d, std::vector<Hypothesis>& followed) {
+    Base calibrated, given;
     std::swap(calibrated, base_);
     base_.parameters = to_vector(problem_.given);
-    bool whole = build_space(calibrated.space->residuals()) && differentiate() && take_fingerprints();
-    for (Hypothesis& h : whole ? finalists(findings((*base_.test)(base_.observed), 0.0)) : std::vector<Hypothesis>{}) {
+    Hypothesis without;
+    if (!build_space(calibrated.space->residuals()) || !differentiate() || !follow(without)) return false;
+    std::swap(given, base_);
+    std::swap(calibrated, base_);
+    if (!move_base(d, without)) return false;
+    if (!rejected(d)) return true;
+    std::swap(given, base_);
+    if (!take_fingerprints()) return false;
+    for (Hypothesis& h : finalists(findings((*base_.test)(base_.observed), 0.0))) {
         h.from_given = true;
-        whole = whole && follow(h);
+        if (!follow(h)) return false;
         followed.push_back(std::move(h));
     }
-    std::swap(calibrated, base_);
-    return whole;
+    std::swap(given, base_);
+    return true;
 }
 
 /// Gauss-Newton on parameters and strength, with a simulation at every point. Each point has the residual space of its own simulation: far from the
@@ -310,15 +351,17 @@ bool Diagnoser::follow_from_given(std::vector<Hypothesis>& followed) {
 /// from the way (Broyden 1965); steps that lead to worse are halved. The last simulation has as many repeats as the reference and judges: what is left of the measured
 /// residual there, parameters and strength free.
 bool Diagnoser::follow(Hypothesis& h) {
-    const EffectDose& variant = variants_[h.fingerprint];
-    const double most = problem_.effects[variant.effect].variants[variant.variant].most;
-    const Eigen::Index count = base_.parameters.size();
-    Eigen::MatrixXd directions(base_.observed.mean.size(), count + 1);
-    directions << base_.jacobian, base_.test->fingerprints()[h.fingerprint].change;
-    Eigen::VectorXd prior(count + 1), scale(count + 1), start(count + 1);
-    prior << deviation_.array().square().inverse().matrix(), 0.0;
-    scale << deviation_.array().square().inverse().matrix(), 1.0;
-    start << base_.parameters, 0.0;
+    const bool any = h.fingerprint != kNoEffect;
+    const EffectDose variant = any ? variants_[h.fingerprint] : EffectDose{};
+    const double most = any ? problem_.effects[variant.effect].variants[variant.variant].most : 0.0;
+    const Eigen::Index count = base_.parameters.size(), size = count + (any ? 1 : 0);  // the strength is the last
+    Eigen::MatrixXd directions(base_.observed.mean.size(), size);
+    directions.leftCols(count) = base_.jacobian;
+    Eigen::VectorXd prior = Eigen::VectorXd::Zero(size), scale = Eigen::VectorXd::Ones(size),
+                    start = Eigen::VectorXd::Zero(size);
+    prior.head(count) = scale.head(count) = deviation_.array().square().inverse();
+    start.head(count) = base_.parameters;
+    if (any) directions.col(count) = base_.test->fingerprints()[h.fingerprint].change;
     struct Point {
         Eigen::VectorXd at;
         ResidualRows rows;           ///< of its simulation
@@ -334,9 +377,9 @@ bool Diagnoser::follow(Hypothesis& h) {
         p.misfit = p.observed.mean.dot(p.factor().solve(p.observed.mean)) + moved.dot(prior.cwiseProduct(moved));
     };
     const auto look = [&](Point& p, std::int64_t repeats) {
-        EffectDose dose = variant;
-        dose.strength = p.at[count];
-        auto table = simulate("finalists", p.at.head(count), {dose}, repeats);
+        std::vector<EffectDose> doses;
+        if (any) doses.push_back({variant.effect, variant.variant, p.at[count]});
+        auto table = simulate("finalists", p.at.head(count), std::move(doses), repeats);
         if (!table) return false;
         const ResidualSpace space(std::move(*table), measured_, problem_.blocks, settings_.residuals,
                                   base_.space->residuals());
@@ -354,17 +397,26 @@ bool Diagnoser::follow(Hypothesis& h) {
         const Eigen::MatrixXd WD = p.factor().solve(directions);
         Eigen::MatrixXd information = directions.transpose() * WD;
         information.diagonal() += prior;
+        if (any) {  // the fingerprint's own noise is no information: it would make every step too short
+            const double rows = p.observed.together.diagonal().maxCoeff(),
+                         of = base_.test->fingerprints()[h.fingerprint].rows;
+            information(count, count) -= std::min(static_cast<double>(directions.rows() - count) * rows / of,
+                                                  kMostNoise * information(count, count));
+        }
         const Eigen::VectorXd pull = WD.transpose() * p.observed.mean, moved = p.at - start;
         Step step;
         step.to = p.at + share * information.ldlt().solve(pull - prior.cwiseProduct(moved));
         step.to.head(count) = within_ranges(step.to.head(count));
-        step.to[count] = std::clamp(step.to[count], kLeastStrength * most, most);
-        step.strength_deviation = std::sqrt(information.inverse()(count, count));
+        if (any) {
+            step.to[count] = std::clamp(step.to[count], kLeastStrength * most, most);
+            step.strength_deviation = std::sqrt(information.inverse()(count, count));
+        }
         step.gain = pull.dot(information.ldlt().solve(pull));
         return step;
     };
 
-    Point now{start, base_.space->of_reference(), row_covariance(base_.space->of_reference()), base_.observed, kInfinity};
+    Point now{start, base_.space->of_reference(), row_covariance(base_.space->of_reference()), base_.observed,
+              kInfinity};
     judge(now);
     double share = 1.0;
     for (int round = 0; round < settings_.rounds; ++round) {
@@ -381,12 +433,12 @@ bool Diagnoser::follow(Hypothesis& h) {
         share = better > 0.0 ? std::min(1.0, 2.0 * share) : 0.5 * share;
         if (better >= 0.0 && better < kSettled) break;
     }
-    if (now.at[count] == 0.0) now.at[count] = kLeastStrength * most;
+    if (any && now.at[count] == 0.0) now.at[count] = kLeastStrength * most;
     if (!look(now, settings_.reference_repeats)) return false;
     const Step last = step_from(now, 1.0);
     h.q = now.observed.mean.dot(now.factor().solve(now.observed.mean)) - last.gain;
     h.parameters = last.to.head(count);
-    h.strength = last.to[count];
+    h.strength = any ? last.to[count] : 0.0;
     h.strength_deviation = last.strength_deviation;
     h.p = goodness_of_fit(now.rows, now.covariance, directions, now.observed);
     return true;
@@ -395,11 +447,13 @@ bool Diagnoser::follow(Hypothesis& h) {
 /// How often as many rows of the simulation itself leave as much, with parameters and strength free for them, too.
 double Diagnoser::goodness_of_fit(const ResidualRows& rows, const Eigen::MatrixXd& covariance,
                                   const Eigen::MatrixXd& directions, const ResidualMean& observed) const {
-    const ScoreTest own(covariance, directions.leftCols(directions.cols() - 1), deviation_,
-                        {{directions.rightCols(1), kInfinity}});
+    std::vector<Fingerprint> effect;
+    for (Eigen::Index k = deviation_.size(); k < directions.cols(); ++k)
+        effect.push_back({directions.col(k), kInfinity});
+    const ScoreTest own(covariance, directions.leftCols(deviation_.size()), deviation_, std::move(effect));
     auto misfit = [&](const ResidualMean& r) {
         const ScoreResult s = own(r);
-        return s.q - s.z[0] * s.z[0];
+        return s.q - s.z.squaredNorm();
     };
     const double measured = misfit(observed);
     std::int64_t at_least = 0;
@@ -489,19 +543,21 @@ Diagnosis Diagnoser::run(bool measured) {
     d.interrupted = true;
     if (!build_space() || !differentiate() || (measured && !recentre()) || !take_fingerprints()) return d;
     judge(d);
-    const bool rejected = measured && d.test.p <= settings_.level;
-    std::vector<Hypothesis> followed = rejected ? finalists(d.findings) : std::vector<Hypothesis>{};
+    if (measured && rejected(d) && !settle_base(d)) return d;
+    std::vector<Hypothesis> followed;
+    if (measured && rejected(d)) followed = finalists(d.findings);
     for (Hypothesis& h : followed)
         if (!follow(h)) return d;
     const auto explains = [&](const Hypothesis& h) { return h.p > settings_.rejected; };
-    if (rejected && !problem_.given.empty() && std::none_of(followed.begin(), followed.end(), explains) &&
-        !follow_from_given(followed))
+    if (measured && rejected(d) && !problem_.given.empty() &&
+        std::none_of(followed.begin(), followed.end(), explains) && !follow_from_given(d, followed))
         return d;
+    if (!rejected(d)) followed.clear();
     if (!followed.empty()) weigh(d, followed);
     std::stable_sort(d.findings.begin(), d.findings.end(), [](const EffectFinding& a, const EffectFinding& b) {
         return a.weight != b.weight ? a.weight > b.weight : a.z > b.z;
     });
-    if (rejected) conclude(d);
+    if (measured && rejected(d)) conclude(d);
     d.parameters.assign(base_.parameters.data(), base_.parameters.data() + base_.parameters.size());
     d.simulated_blocks = simulated_;
     d.interrupted = false;

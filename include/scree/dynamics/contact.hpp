@@ -20,9 +20,9 @@ struct ContactKey {
 
 /// What a contact does as the block moves on.
 enum class ContactMotion : std::uint8_t {
-    Stays,          ///< arm and normal stay: a round body, an edge across a crest
-    TurnsWithBlock, ///< its point is a corner of the block
-    PassesBlock,    ///< its point is a corner of the terrain, its normal that of a side of the block
+    Stays,           ///< arm and normal stay: a round body, an edge across a crest
+    TurnsWithBlock,  ///< its point is a corner of the block
+    PassesBlock,     ///< its point is a corner of the terrain, its normal that of a side of the block
 };
 
 /// One point where the block touches the terrain or is about to.
