@@ -32,7 +32,7 @@ public:
         : in_(input), study_(study), test_(input.site, input.model, input.observed, study.keys, input.threads) {}
 
     void diagnose_test() {
-        study_.baseline = calibrated("baseline", nullptr, 0.0);
+        study_.baseline = calibrated("baseline", nullptr, {});
         if (study_.interrupted) return;
         study_.before = compared(study_.baseline, nullptr, study_.campaign);
         if (study_.interrupted) return;
@@ -126,10 +126,12 @@ private:
         return point;
     }
 
-    /// The same search for every model: ranges, budget and random numbers; an effect adds its strength to the parameters.
-    CalibratedModel calibrated(const std::string& name, const DiagnosisVariant* variant, double start) {
+    /// The same search for every model: ranges, budget and random numbers; an effect adds its strength to the parameters and begins where it was found.
+    CalibratedModel calibrated(const std::string& name, const DiagnosisVariant* variant, const EffectFinding& found) {
         CalibrationProblem problem = study_.keys.problem;
-        if (variant) problem.parameters.push_back({"strength", 0.0, variant->most, start, false});
+        for (std::size_t k = 0; k < found.parameters.size(); ++k)
+            problem.parameters[k].start = from_unit(problem.parameters[k], found.parameters[k]);
+        if (variant) problem.parameters.push_back({"strength", 0.0, variant->most, found.strength, false});
         const CalibrationLoss loss(GapFunction(in_.observed.observations, in_.observed.op));
         problem.records = loss.records();
         std::error_code ignored;
@@ -181,7 +183,7 @@ private:
         fit.candidate = &study_.candidate_of(f);
         fit.variant = &study_.variant_of(f);
         fit.finding = f;
-        fit.model = calibrated(fit.candidate->name + "_" + std::to_string(f.variant), fit.variant, f.strength);
+        fit.model = calibrated(fit.candidate->name + "_" + std::to_string(f.variant), fit.variant, f);
         if (study_.interrupted) return;
         fit.study = compared(fit.model, fit.variant, fit.campaign);
         study_.answers.push_back(std::move(fit));

@@ -93,7 +93,7 @@ private:
     bool settle_base(Diagnosis& d);
     bool follow_from_given(Diagnosis& d, std::vector<Hypothesis>& followed);
     void weigh(Diagnosis& d, std::vector<Hypothesis>& followed) const;
-    void conclude(Diagnosis& d) const;
+    void conclude(Diagnosis& d, std::vector<Hypothesis>& followed) const;
     double goodness_of_fit(const ResidualRows& rows, const Eigen::MatrixXd& covariance,
                            const Eigen::MatrixXd& directions, const ResidualMean& observed) const;
 
@@ -520,7 +520,10 @@ void Diagnoser::weigh(Diagnosis& d, std::vector<Hypothesis>& followed) const {
 }
 
 /// The name, the group or neither.
-void Diagnoser::conclude(Diagnosis& d) const {
+void Diagnoser::conclude(Diagnosis& d, std::vector<Hypothesis>& followed) const {
+    if (!followed.empty()) weigh(d, followed);
+    std::stable_sort(d.findings.begin(), d.findings.end(),
+                     [](const EffectFinding& a, const EffectFinding& b) { return a.weight > b.weight; });
     d.verdict = Verdict::Unknown;
     std::vector<EffectFinding> answer;
     double reached = 0.0;
@@ -548,16 +551,14 @@ Diagnosis Diagnoser::run(bool measured) {
     if (measured && rejected(d)) followed = finalists(d.findings);
     for (Hypothesis& h : followed)
         if (!follow(h)) return d;
-    const auto explains = [&](const Hypothesis& h) { return h.p > settings_.rejected; };
-    if (measured && rejected(d) && !problem_.given.empty() &&
-        std::none_of(followed.begin(), followed.end(), explains) && !follow_from_given(d, followed))
-        return d;
-    if (!rejected(d)) followed.clear();
-    if (!followed.empty()) weigh(d, followed);
+    if (measured && rejected(d)) conclude(d, followed);
+    if (measured && rejected(d) && d.verdict == Verdict::Unknown && !problem_.given.empty()) {
+        if (!follow_from_given(d, followed)) return d;
+        if (rejected(d)) conclude(d, followed);
+    }
     std::stable_sort(d.findings.begin(), d.findings.end(), [](const EffectFinding& a, const EffectFinding& b) {
         return a.weight != b.weight ? a.weight > b.weight : a.z > b.z;
     });
-    if (measured && rejected(d)) conclude(d);
     d.parameters.assign(base_.parameters.data(), base_.parameters.data() + base_.parameters.size());
     d.simulated_blocks = simulated_;
     d.interrupted = false;
