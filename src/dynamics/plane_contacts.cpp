@@ -233,8 +233,7 @@ void PlaneContacts::add_crest_contacts(const Vec2& position, const Mat2& rotatio
         if (at.outside <= reach && falls_away(crest, normal)) {
             add_crest_contact(crest, at.outside, normal, arm, contacts);
             contacts.back().motion = ContactMotion::PassesBlock;
-        }
-        else if (at.outside < 0.0 || (!under_block && stands_through(arm, rotation)))
+        } else if (at.outside < 0.0 || (!under_block && stands_through(arm, rotation)))
             add_cut_corner(crest, position, rotation, contacts);
     }
 }
