@@ -141,16 +141,18 @@ std::string look_alikes(const DiagnoseStudy& study, const EffectFinding& f) {
     return text;
 }
 
-}  // namespace
-
-/// What comes nearest without being an answer: findings are ordered by weight.
+/// What comes nearest without being an answer, and why it is none. Findings are ordered by weight.
 std::string nearest(const DiagnoseStudy& study) {
     const std::vector<EffectFinding>& findings = study.diagnosis.findings;
     if (findings.empty() || !findings.front().finalist) return "";
     const EffectFinding& f = findings.front();
-    return "; " + variant_name(study.variant_of(f)) +
-           " comes nearest, but its own simulations look as far off in p = " + p_text(f.p) + " only";
+    const std::string name = "; " + variant_name(study.variant_of(f)) + " comes nearest, but ";
+    if (f.p <= study.settings.rejected)
+        return name + "its own simulations look as far off in p = " + p_text(f.p) + " only";
+    return name + "has a weight of " + short_number(f.weight) + " only";
 }
+
+}  // namespace
 
 std::string verdict_sentence(const DiagnoseStudy& study) {
     const Diagnosis& d = study.diagnosis;

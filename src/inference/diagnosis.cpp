@@ -57,6 +57,13 @@ Eigen::VectorXd to_vector(const std::vector<double>& values) {
     return Eigen::Map<const Eigen::VectorXd>(values.data(), static_cast<Eigen::Index>(values.size()));
 }
 
+/// By weight, then z.
+void sort(std::vector<EffectFinding>& findings) {
+    std::stable_sort(findings.begin(), findings.end(), [](const EffectFinding& a, const EffectFinding& b) {
+        return a.weight != b.weight ? a.weight > b.weight : a.z > b.z;
+    });
+}
+
 class Diagnoser {
 public:
     Diagnoser(const DiagnosisProblem& problem, const ObservationTable& measured, const DiagnosisSettings& settings,
@@ -66,10 +73,10 @@ public:
                      problem.high.size() == problem.calibrated.size() &&
                      problem.step.size() == problem.calibrated.size());
         base_.parameters = to_vector(problem.calibrated);
+        deviation_ = (to_vector(problem.high) - to_vector(problem.low)) / std::sqrt(12.0);
         for (std::size_t e = 0; e < problem.effects.size(); ++e)
             for (std::size_t v = 0; v < problem.effects[e].variants.size(); ++v) variants_.push_back({e, v, 1.0});
-        planned_ = 1 + kRecentrings + 2 * problem.calibrated.size() + variants_.size() +
-                   settings.finalists * (static_cast<std::size_t>(settings.rounds) + 1);
+        planned_ = kRecentrings + of_base() + settings.finalists * of_finalist();
     }
 
     Diagnosis run(bool measured);
@@ -78,6 +85,9 @@ private:
     std::optional<ObservationTable> simulate(const char* stage, const Eigen::VectorXd& parameters,
                                              std::vector<EffectDose> effects, std::int64_t repeats);
     Eigen::VectorXd within_ranges(Eigen::VectorXd parameters) const;
+    /// Simulations that a base takes, and that following one finalist may take.
+    std::size_t of_base() const { return 1 + 2 * problem_.calibrated.size() + variants_.size(); }
+    std::size_t of_finalist() const { return static_cast<std::size_t>(settings_.rounds) + 1; }
     bool build_space(std::span<const Residual> residuals = {});
     bool differentiate();
     void take_jacobian();
@@ -154,10 +164,8 @@ bool Diagnoser::build_space(std::span<const Residual> residuals) {
 
 /// Central differences, one-sided at the end of a range.
 bool Diagnoser::differentiate() {
-    deviation_.resize(base_.parameters.size());
     for (Eigen::Index k = 0; k < base_.parameters.size(); ++k) {
         const auto j = static_cast<std::size_t>(k);
-        deviation_[k] = (problem_.high[j] - problem_.low[j]) / std::sqrt(12.0);
         Eigen::VectorXd up = base_.parameters, down = base_.parameters;
         up[k] = std::min(base_.parameters[k] + problem_.step[j], problem_.high[j]);
         down[k] = std::max(base_.parameters[k] - problem_.step[j], problem_.low[j]);
@@ -237,6 +245,7 @@ void Diagnoser::judge(Diagnosis& d) const {
         for (Eigen::Index b = 0; b < count; ++b)
             d.cosines(a, b) =
                 cosines(at(d.findings[static_cast<std::size_t>(a)]), at(d.findings[static_cast<std::size_t>(b)]));
+    sort(d.findings);
 }
 
 std::size_t Diagnoser::fingerprint_of(const EffectFinding& f) const {
@@ -303,6 +312,7 @@ std::vector<Hypothesis> Diagnoser::finalists(const std::vector<EffectFinding>& f
 /// Tests the model at the parameters of a hypothesis without effect, and stays there if chance has more to say for it.
 bool Diagnoser::move_base(Diagnosis& d, const Hypothesis& without) {
     if (without.q > d.score.q - kWorthMoving) return true;
+    planned_ += of_base();
     Base before;
     std::swap(before, base_);
     base_.parameters = without.parameters;
@@ -319,6 +329,7 @@ bool Diagnoser::move_base(Diagnosis& d, const Hypothesis& without) {
 
 /// A model that is rejected gets what every effect gets: its parameters are followed to where its own simulations leave least.
 bool Diagnoser::settle_base(Diagnosis& d) {
+    planned_ += of_finalist();
     Hypothesis without;
     return follow(without) && move_base(d, without);
 }
@@ -326,6 +337,7 @@ bool Diagnoser::settle_base(Diagnosis& d) {
 /// A calibration makes up for what is missing, with parameters at which the missing effect may be out of sight: a rolling resistance that grows with size
 /// does nothing where none is left; or it has settled in the wrong valley. The same look again from the parameters that were given before the calibration.
 bool Diagnoser::follow_from_given(Diagnosis& d, std::vector<Hypothesis>& followed) {
+    planned_ += of_base() + (1 + settings_.finalists) * of_finalist();
     Base calibrated, given;
     std::swap(calibrated, base_);
     base_.parameters = to_vector(problem_.given);
@@ -397,6 +409,7 @@ bool Diagnoser::follow(Hypothesis& h) {
         const Eigen::MatrixXd WD = p.factor().solve(directions);
         Eigen::MatrixXd information = directions.transpose() * WD;
         information.diagonal() += prior;
+        const Eigen::MatrixXd with_noise = information;
         if (any) {  // the fingerprint's own noise is no information: it would make every step too short
             const double rows = p.observed.together.diagonal().maxCoeff(),
                          of = base_.test->fingerprints()[h.fingerprint].rows;
@@ -411,7 +424,8 @@ bool Diagnoser::follow(Hypothesis& h) {
             step.to[count] = std::clamp(step.to[count], kLeastStrength * most, most);
             step.strength_deviation = std::sqrt(information.inverse()(count, count));
         }
-        step.gain = pull.dot(information.ldlt().solve(pull));
+        const Eigen::VectorXd free = information.ldlt().solve(pull);
+        step.gain = 2.0 * pull.dot(free) - free.dot(with_noise * free);
         return step;
     };
 
@@ -508,6 +522,8 @@ void Diagnoser::weigh(Diagnosis& d, std::vector<Hypothesis>& followed) const {
         const double largest = problem_.effects[v.effect].variants[v.variant].most;
         f.finalist = true;
         f.variant = v.variant;
+        f.z = d.score.z[static_cast<Eigen::Index>(followed[k].fingerprint)];
+        f.visibility = d.score.visibility[static_cast<Eigen::Index>(followed[k].fingerprint)];
         f.strength = followed[k].strength;
         f.strength_interval = {std::max(0.0, f.strength - kNinety * followed[k].strength_deviation),
                                std::min(largest, f.strength + kNinety * followed[k].strength_deviation)};
@@ -522,8 +538,7 @@ void Diagnoser::weigh(Diagnosis& d, std::vector<Hypothesis>& followed) const {
 /// The name, the group or neither.
 void Diagnoser::conclude(Diagnosis& d, std::vector<Hypothesis>& followed) const {
     if (!followed.empty()) weigh(d, followed);
-    std::stable_sort(d.findings.begin(), d.findings.end(),
-                     [](const EffectFinding& a, const EffectFinding& b) { return a.weight > b.weight; });
+    sort(d.findings);
     d.verdict = Verdict::Unknown;
     std::vector<EffectFinding> answer;
     double reached = 0.0;
@@ -556,9 +571,6 @@ Diagnosis Diagnoser::run(bool measured) {
         if (!follow_from_given(d, followed)) return d;
         if (rejected(d)) conclude(d, followed);
     }
-    std::stable_sort(d.findings.begin(), d.findings.end(), [](const EffectFinding& a, const EffectFinding& b) {
-        return a.weight != b.weight ? a.weight > b.weight : a.z > b.z;
-    });
     d.parameters.assign(base_.parameters.data(), base_.parameters.data() + base_.parameters.size());
     d.simulated_blocks = simulated_;
     d.interrupted = false;
