@@ -21,6 +21,7 @@ constexpr double kApart = 0.25;     // starts of one level are so far apart if t
 constexpr std::size_t kRaceSeeds = 3;          // [-]
 constexpr std::size_t kSurroundingRounds = 2;  // the second box follows from the first fit [-]
 constexpr std::int64_t kRaceDraws = 1000;      // of the records, for how far a level is behind [-]
+constexpr std::size_t kFoldSeen = 2;  // simulated points that are tried for a fold, besides the quadratic's minimum [-]
 
 /// Streams of random numbers for different uses.
 enum Stream : std::uint64_t { kScreening, kHypercube, kRace, kJudgement, kFolds, kDraws, kBehind, kDesign, kMany = 64 };
@@ -63,7 +64,7 @@ struct Plan {
     }
     std::size_t total() const {
         return levels.size() * (screening + starts * (population * generations + kRaceSeeds)) + surroundings +
-               (dimension > 0 ? 3 : 2) + folds;
+               (dimension > 0 ? 3 : 2) + folds * (1 + kFoldSeen);
     }
 };
 
@@ -392,6 +393,24 @@ private:
         }
     }
 
+    /// Where a calibration that knows only the records with 1 may end. Around an answer at the edge of what the model can do, a quadratic leads astray:
+    /// what was simulated and suits these records best competes with its minimum.
+    std::vector<CalibrationPoint> candidates_for(const std::vector<char>& records) const {
+        std::vector<CalibrationPoint> points{point_at(minimum_for(*fit_, box_, records), result_.best.levels)};
+        std::vector<std::pair<double, std::size_t>> ranked;
+        for (std::size_t k = 0; k < done_; ++k)
+            if (journal_[k].task.stage <= CalibrationStage::Surroundings &&
+                journal_[k].task.point.levels == result_.best.levels)
+                ranked.emplace_back(fit_of(journal_[k].result, records).loss, k);
+        std::sort(ranked.begin(), ranked.end());
+        for (const auto& [loss, k] : ranked) {
+            const CalibrationPoint& point = journal_[k].task.point;
+            if (points.size() == 1 + kFoldSeen || !std::isfinite(loss)) break;
+            if (std::find(points.begin(), points.end(), point) == points.end()) points.push_back(point);
+        }
+        return points;
+    }
+
     void judge() {
         const auto look = [&](const CalibrationPoint& point) -> const SimulatedLoss& {
             return evaluate(CalibrationStage::Judgement, point, seed(kJudgement), s_.final_repeats);
@@ -421,10 +440,15 @@ private:
                 test[shuffled[k]] = 1;
             }
             std::sort(fold.held_out.begin(), fold.held_out.end());
-            fold.point = point_at(minimum_for(*fit_, box_, training), result_.best.levels);
-            const SimulatedLoss& result = look(fold.point);
-            fold.training = fit_of(result, training);
-            fold.test = fit_of(result, test);
+            fold.training.loss = kInfinity;
+            for (const CalibrationPoint& point : candidates_for(training)) {
+                const SimulatedLoss& result = look(point);
+                const CalibrationFit fit = fit_of(result, training);
+                if (!(fit.loss < fold.training.loss) && fold.point.values.size() > 0) continue;
+                fold.point = point;
+                fold.training = fit;
+                fold.test = fit_of(result, test);
+            }
             fold.start_test = fit_of(start, test);
             add(all, fold.test, fold.held_out.size());
             add(all_start, fold.start_test, fold.held_out.size());
