@@ -73,9 +73,9 @@ private:
     std::int64_t last_ = 0;
 };
 
-gis::VectorLayer zone_layer(const DiagnosisVariant& variant) {
+gis::VectorLayer zone_layer(const DiagnosisVariant& variant, std::size_t effect) {
     gis::VectorLayer layer;
-    layer.data.name = "effect_zone";
+    layer.data.name = zone_name(effect);
     layer.data.kind = GeometryKind::Polygon;
     layer.coordinates = gis::Coordinates::XY;
     layer.data.fields.push_back({"effect", FieldType::Text, "Effect"});
@@ -83,7 +83,7 @@ gis::VectorLayer zone_layer(const DiagnosisVariant& variant) {
     feature.geometry = variant.place.area->polygons;
     feature.values.push_back(std::string(effect_info(variant.kind).name));
     layer.data.features.push_back(std::move(feature));
-    layer.title = "Where the effect acts";
+    layer.title = std::string("Where ") + effect_info(variant.kind).name + " acts";
     layer.group = "Inputs";
     return layer;
 }
@@ -96,8 +96,10 @@ gis::ResultsPackage results_of(const DiagnoseStudy& study, const SiteModel& mode
     const bool answered = !study.answers.empty();
     const bool judged = !study.planning && !study.before.observables.empty();
     if (judged) package.vectors = campaign_vectors(model, answered ? study.answers.front().campaign : study.campaign);
-    if (answered && study.answers.front().variant->place.area)
-        package.vectors.push_back(zone_layer(*study.answers.front().variant));
+    for (std::size_t k = 0; answered && k < study.answers.front().effects.size(); ++k) {
+        const DiagnosisVariant& variant = *study.answers.front().effects[k].variant;
+        if (variant.place.area) package.vectors.push_back(zone_layer(variant, k));
+    }
     if (package.vectors.empty()) package.vectors.push_back(input_layer(model.release, "release", "Release", "Inputs"));
     package.provenance = {{"program", "scree " + version()}, {"site", study.site.settings.name}};
     for (const std::string& line : study.inputs) package.provenance.push_back({"input", line});

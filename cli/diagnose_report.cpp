@@ -41,9 +41,10 @@ std::string variant_name(const DiagnosisVariant& v) {
 }
 
 /// "coefficient 0.31 1/s (95 %: 0.2 to 0.45)".
-std::string strength_text(const DiagnosisVariant& v, double strength, const Interval& interval) {
-    const double a = v.value(interval.low), b = v.value(interval.high);
-    return v.parameter + " " + with_unit(v.value(strength), unit_of(v)) + " (95 %: " + short_number(std::min(a, b)) +
+std::string strength_text(const AnsweredEffect& e) {
+    const DiagnosisVariant& v = *e.variant;
+    const double a = v.value(e.interval.low), b = v.value(e.interval.high);
+    return v.parameter + " " + with_unit(v.value(e.strength), unit_of(v)) + " (95 %: " + short_number(std::min(a, b)) +
            " to " + short_number(std::max(a, b)) + ")";
 }
 
@@ -104,6 +105,14 @@ std::string subject_of(const Residual& r, std::span<const std::string> screens) 
     return residual_name(plain, screens);
 }
 
+/// "ground_drag, on loose waste (drag in contact)", of two effects both.
+std::string described(const AnswerFit& answer) {
+    std::string text;
+    for (const AnsweredEffect& e : answer.effects)
+        text += (text.empty() ? "" : " and ") + variant_name(*e.variant) + " (" + e.candidate->title + ")";
+    return text;
+}
+
 std::string held_out_text(const CalibratedModel& m) {
     return m.result.folds.empty() ? "-" : gap_number(m.result.held_out.gap());
 }
@@ -117,7 +126,7 @@ double closed_share(const DiagnoseStudy& study, const AnswerFit& a) {
 std::string names_of(const std::vector<AnswerFit>& answers) {
     std::string text;
     for (std::size_t k = 0; k < answers.size(); ++k)
-        text += (k == 0 ? "" : k + 1 == answers.size() ? " or " : ", ") + answers[k].candidate->name;
+        text += (k == 0 ? "" : k + 1 == answers.size() ? " or " : ", ") + answers[k].name();
     return text;
 }
 
@@ -162,8 +171,7 @@ std::string verdict_sentence(const DiagnoseStudy& study) {
             return "NONE: the calibrated model could have produced these measurements (p = " + p_text(d.test.p) +
                    "); nothing is missing that they could show";
         case Verdict::Named:
-            return "NAMED: " + variant_name(*study.answers.front().variant) + " (" +
-                   study.answers.front().candidate->title + ")";
+            return "NAMED: " + described(study.answers.front());
         case Verdict::Group:
             return "GROUP: " + names_of(study.answers) + "; these measurements cannot tell them apart";
         case Verdict::Unknown:
@@ -172,7 +180,9 @@ std::string verdict_sentence(const DiagnoseStudy& study) {
         case Verdict::DataProblem:
             if (study.answers.empty()) return "DATA PROBLEM: the measurements cannot be used as they are";
             return "DATA PROBLEM: " + names_of(study.answers) +
-                   (study.answers.size() == 1 ? ", " + study.answers.front().variant->label : "") +
+                   (study.answers.size() == 1 && study.answers.front().effects.size() == 1
+                        ? ", " + study.answers.front().effects.front().variant->label
+                        : "") +
                    "; check how it was measured before anything else";
     }
     return "";
@@ -208,16 +218,18 @@ std::vector<std::string> diagnose_remarks(const DiagnoseStudy& study) {
     }
     for (const AnswerFit& a : study.answers) {
         if (study.verdict == Verdict::Unknown) break;
-        if (a.model.strength > (1.0 - kInRange) * a.variant->most)
-            remarks.push_back("the strength of " + a.candidate->name + " lies at the end of what was searched");
+        for (const AnsweredEffect& e : a.effects)
+            if (e.strength > (1.0 - kInRange) * e.variant->most)
+                remarks.push_back("the strength of " + e.candidate->name + " lies at the end of what was searched");
         if (!study.baseline.result.folds.empty() && !(closed_share(study, a) > 0.0))
-            remarks.push_back(a.candidate->name + " does not improve the prediction of blocks held out");
+            remarks.push_back("the prediction of blocks held out does not improve with " + a.name());
         if (a.study.overall.beyond_chance())
-            remarks.push_back("with " + a.candidate->name + " the model is still beyond chance as a whole");
+            remarks.push_back("with " + a.name() + " the model is still beyond chance as a whole");
     }
     if (study.verdict == Verdict::Group)
         for (const AnswerFit& a : study.answers)
-            remarks.push_back(a.candidate->name + " would show in " + effect_info(a.variant->kind).seen_in);
+            for (const AnsweredEffect& e : a.effects)
+                remarks.push_back(e.candidate->name + " would show in " + effect_info(e.variant->kind).seen_in);
     if (study.in_plane && (study.verdict == Verdict::Named || study.verdict == Verdict::Group))
         remarks.push_back(
             "the model is 2D: what blocks do sideways can look like an effect; confirm with model.dimension = 3");
@@ -246,15 +258,14 @@ void print_answers(std::ostream& out, const DiagnoseStudy& study) {
         << padded(held_out_text(study.baseline), 11) << padded(gap_number(study.before.overall.gap), 15)
         << short_number(study.diagnosis.weight_none) << "\n";
     for (const AnswerFit& a : study.answers)
-        out << padded("with " + a.candidate->name, 34) << padded(gap_number(a.model.result.best_fit.gap()), 24)
+        out << padded("with " + a.name(), 34) << padded(gap_number(a.model.result.best_fit.gap()), 24)
             << padded(held_out_text(a.model), 11) << padded(gap_number(a.study.overall.gap), 15)
-            << short_number(a.finding.weight) << "\n";
+            << short_number(a.weight()) << "\n";
     for (const AnswerFit& a : study.answers) {
-        out << "  " << variant_name(*a.variant) << ": "
-            << strength_text(*a.variant, a.model.strength, a.model.result.parameters.back().interval);
+        for (const AnsweredEffect& e : a.effects)
+            out << "  " << variant_name(*e.variant) << ": " << strength_text(e) << "\n";
         if (!study.baseline.result.folds.empty())
-            out << "; closes " << short_number(100.0 * closed_share(study, a)) << " % of the removable held-out gap";
-        out << "\n";
+            out << "  closes " << short_number(100.0 * closed_share(study, a)) << " % of the removable held-out gap\n";
     }
 }
 
@@ -305,20 +316,22 @@ Json finding_json(const DiagnoseStudy& study, const EffectFinding& f) {
     return json;
 }
 
-Json answer_json(const DiagnoseStudy& study, const AnswerFit& a) {
-    const Interval& i = a.model.result.parameters.back().interval;
-    const double low = a.variant->value(i.low), high = a.variant->value(i.high);
-    Json json{{"effect", a.candidate->name},
-              {"form", effect_info(a.variant->kind).name},
-              {"label", a.variant->label},
-              {"parameter", a.variant->parameter},
-              {"unit", unit_of(*a.variant)},
-              {"value", a.variant->value(a.model.strength)},
+/// One row per effect; two that act together say so, and share what follows from both.
+Json answer_json(const DiagnoseStudy& study, const AnswerFit& a, const AnsweredEffect& e) {
+    const DiagnosisVariant& v = *e.variant;
+    const double low = v.value(e.interval.low), high = v.value(e.interval.high);
+    Json json{{"effect", e.candidate->name},
+              {"form", effect_info(v.kind).name},
+              {"label", v.label},
+              {"parameter", v.parameter},
+              {"unit", unit_of(v)},
+              {"value", v.value(e.strength)},
               {"interval_95", ends_of({std::min(low, high), std::max(low, high)})},
-              {"weight", a.finding.weight},
+              {"together", a.effects.size() > 1},
+              {"weight", a.weight()},
               {"gap_fitted", a.model.result.best_fit.gap()},
               {"gap_over_all", a.study.overall.gap}};
-    if (!std::isnan(a.variant->from)) json["between_m"] = Json::array({a.variant->from, a.variant->to});
+    if (!std::isnan(v.from)) json["between_m"] = Json::array({v.from, v.to});
     if (!study.baseline.result.folds.empty()) {
         json["held_out_loss"] = a.model.result.held_out.loss;
         json["held_out_gap"] = a.model.result.held_out.gap();
@@ -341,7 +354,8 @@ std::string diagnose_json(const DiagnoseStudy& study) {
     json["verdict"] = study.planning ? "PLAN" : kVerdictNames[static_cast<std::size_t>(study.verdict)];
     json["sentence"] = verdict_sentence(study);
     json["answer"] = Json::array();
-    for (const AnswerFit& a : study.answers) json["answer"].push_back(answer_json(study, a));
+    for (const AnswerFit& a : study.answers)
+        for (const AnsweredEffect& e : a.effects) json["answer"].push_back(answer_json(study, a, e));
     json["audit"] = Json::array();
     for (const Finding& f : study.audit)
         json["audit"].push_back({{"check", f.check},
@@ -430,7 +444,7 @@ std::string gaps_html(const DiagnoseStudy& study, const AnswerFit& a) {
                     chance_text(study.before.overall)});
     if (!study.baseline.result.folds.empty())
         rows.push_back({"held out, what was fitted", held_out_text(study.baseline), held_out_text(a.model), ""});
-    return html_table({"gap", "calibrated", "with " + a.candidate->name, "chance"}, rows);
+    return html_table({"gap", "calibrated", "with " + a.name(), "chance"}, rows);
 }
 
 /// 95 % values of what a barrier is designed for.
@@ -443,7 +457,7 @@ std::string consequences_html(const DiagnoseStudy& study, const AnswerFit& a) {
                         short_number(w.simulated_summary.quantiles.back()),
                         b.measured_summary.quantiles.empty() ? "" : short_number(b.measured_summary.quantiles.back())});
     }
-    return html_table({"95 % value", "calibrated", "with " + a.candidate->name, "measured"}, rows);
+    return html_table({"95 % value", "calibrated", "with " + a.name(), "measured"}, rows);
 }
 
 std::string effects_html(const DiagnoseStudy& study) {
@@ -482,10 +496,10 @@ std::string diagnose_html(const DiagnoseStudy& study, const std::vector<Figure>&
              << html_list(where);
     for (const Figure& f : figures) html << "<h2>" << escaped(f.title) << "</h2>\n" << html_figure(f);
     for (const AnswerFit& a : study.answers) {
-        html << "<h2>With " << escaped(variant_name(*a.variant)) << "</h2>\n<p>"
-             << escaped(strength_text(*a.variant, a.model.strength, a.model.result.parameters.back().interval))
-             << ".</p>\n"
-             << gaps_html(study, a) << "<p>What it changes for the measured blocks:</p>\n"
+        html << "<h2>With " << escaped(a.name()) << "</h2>\n";
+        for (const AnsweredEffect& e : a.effects)
+            html << "<p>" << escaped(variant_name(*e.variant) + ": " + strength_text(e)) << ".</p>\n";
+        html << gaps_html(study, a) << "<p>What it changes for the measured blocks:</p>\n"
              << consequences_html(study, a);
     }
     if (!study.diagnosis.findings.empty())
@@ -493,7 +507,7 @@ std::string diagnose_html(const DiagnoseStudy& study, const std::vector<Figure>&
     if (!before.empty()) html << "<h2>Measured and simulated, calibrated model</h2>\n";
     for (const Figure& f : before) html << html_figure(f);
     if (!after.empty())
-        html << "<h2>Measured and simulated, with " << escaped(study.answers.front().candidate->name) << "</h2>\n";
+        html << "<h2>Measured and simulated, with " << escaped(study.answers.front().name()) << "</h2>\n";
     for (const Figure& f : after) html << html_figure(f);
     html << "<h2>Not searched</h2>\n"
          << html_list(study.catalogue.left_out) << "<h2>Inputs</h2>\n"

@@ -32,17 +32,21 @@ public:
         : in_(input), study_(study), test_(input.site, input.model, input.observed, study.keys, input.threads) {}
 
     void diagnose_test() {
-        study_.baseline = calibrated("baseline", nullptr, {});
+        study_.baseline = calibrated("baseline", {});
         if (study_.interrupted) return;
-        study_.before = compared(study_.baseline, nullptr, study_.campaign);
+        study_.before = compared(study_.baseline, {}, study_.campaign);
         if (study_.interrupted) return;
         study_.catalogue = make_candidates(test_.site_at(study_.baseline.point), in_.model, in_.observed);
         study_.diagnosis =
             diagnose(problem(study_.baseline), measured(), study_.settings, simulation(study_.baseline), reporter());
         study_.interrupted = study_.diagnosis.interrupted;
         study_.verdict = study_.diagnosis.verdict;
-        for (const EffectFinding& f : study_.diagnosis.answer)
-            if (!study_.interrupted) refit(f);
+        if (study_.diagnosis.together) {
+            if (!study_.interrupted) refit(study_.diagnosis.answer);
+        } else {
+            for (const EffectFinding& f : study_.diagnosis.answer)
+                if (!study_.interrupted) refit({f});
+        }
         if (!study_.interrupted) judge_held_out();
     }
 
@@ -118,20 +122,27 @@ private:
         };
     }
 
-    static std::vector<Effect> dosed(const DiagnosisVariant* variant, double strength) {
-        return variant ? std::vector<Effect>{variant->at(strength)} : std::vector<Effect>{};
+    /// The effects at the strengths that are the last parameters of a point.
+    static std::vector<Effect> dosed(const std::vector<AnsweredEffect>& effects, const CalibrationPoint& point) {
+        std::vector<Effect> all;
+        const std::size_t first = point.values.size() - effects.size();
+        for (std::size_t k = 0; k < effects.size(); ++k) all.push_back(effects[k].variant->at(point.values[first + k]));
+        return all;
     }
-    static CalibrationPoint without_strength(CalibrationPoint point, const DiagnosisVariant* variant) {
-        if (variant) point.values.pop_back();
+    static CalibrationPoint without_strengths(CalibrationPoint point, std::size_t count) {
+        point.values.resize(point.values.size() - count);
         return point;
     }
 
-    /// The same search for every model: ranges, budget and random numbers; an effect adds its strength to the parameters and begins where it was found.
-    CalibratedModel calibrated(const std::string& name, const DiagnosisVariant* variant, const EffectFinding& found) {
+    /// The same search for every model: ranges, budget and random numbers; effects add their strengths to the parameters and begin where they were found.
+    CalibratedModel calibrated(const std::string& name, const std::vector<AnsweredEffect>& effects) {
         CalibrationProblem problem = study_.keys.problem;
-        for (std::size_t k = 0; k < found.parameters.size(); ++k)
-            problem.parameters[k].start = from_unit(problem.parameters[k], found.parameters[k]);
-        if (variant) problem.parameters.push_back({"strength", 0.0, variant->most, found.strength, false});
+        if (!effects.empty())
+            for (std::size_t k = 0; k < effects.front().finding.parameters.size(); ++k)
+                problem.parameters[k].start = from_unit(problem.parameters[k], effects.front().finding.parameters[k]);
+        for (const AnsweredEffect& e : effects)
+            problem.parameters.push_back(
+                {"strength of " + e.candidate->name, 0.0, e.variant->most, e.finding.strength, false});
         const CalibrationLoss loss(GapFunction(in_.observed.observations, in_.observed.op));
         problem.records = loss.records();
         std::error_code ignored;
@@ -139,53 +150,64 @@ private:
         const auto file = in_.store.file(name + ".jsonl");
         JournalFile journal(file, journal_subject(name), std::filesystem::exists(file, ignored));
         CalibrationJournal all = std::move(journal.journal);
+        const bool faulty = std::any_of(effects.begin(), effects.end(), [](const AnsweredEffect& e) {
+            return effect_info(e.variant->kind).hook == EffectHook::Measurement;
+        });
         CalibratedModel model;
         model.result = calibrate(
             problem, study_.search,
             [&](const CalibrationTask& task) -> std::optional<SimulatedLoss> {
-                const std::vector<Effect> effects = dosed(variant, variant ? task.point.values.back() : 0.0);
-                const CampaignResult campaign =
-                    test_.run(test_.site_at(without_strength(task.point, variant)), task.seed, task.repeats, effects);
+                const std::vector<Effect> acting = dosed(effects, task.point);
+                const CampaignResult campaign = test_.run(test_.site_at(without_strengths(task.point, effects.size())),
+                                                          task.seed, task.repeats, acting);
                 if (campaign.interrupted) return std::nullopt;
-                if (!variant || effect_info(variant->kind).hook != EffectHook::Measurement)
-                    return loss(campaign, task.seed);
-                const CalibrationLoss faulty(
-                    GapFunction(in_.observed.observations, with_faults(in_.observed, effects).op));
-                return faulty(campaign, task.seed);
+                if (!faulty) return loss(campaign, task.seed);
+                const CalibrationLoss of_faulty(
+                    GapFunction(in_.observed.observations, with_faults(in_.observed, acting).op));
+                return of_faulty(campaign, task.seed);
             },
             all,
             [&](const CalibrationProgress& p) {
                 journal.write(all);
-                in_.progress(variant ? "refit of " + name : "calibration", p.done, p.planned);
+                in_.progress(effects.empty() ? "calibration" : "refit of " + name, p.done, p.planned);
             });
         study_.interrupted = model.result.interrupted;
         if (study_.interrupted) return model;
-        model.strength = variant ? model.result.best.values.back() : 0.0;
-        model.point = without_strength(model.result.best, variant);
+        const std::vector<double>& best = model.result.best.values;
+        model.strengths.assign(best.end() - static_cast<std::ptrdiff_t>(effects.size()), best.end());
+        model.point = without_strengths(model.result.best, effects.size());
         model.evaluations = all.size();
         return model;
     }
 
-    CompareStudy compared(const CalibratedModel& model, const DiagnosisVariant* variant, CampaignResult& campaign) {
-        const std::vector<Effect> effects = dosed(variant, model.strength);
+    CompareStudy compared(const CalibratedModel& model, const std::vector<AnsweredEffect>& effects,
+                          CampaignResult& campaign) {
+        const std::vector<Effect> acting = dosed(effects, model.result.best);
         const SiteFile site = test_.site_at(model.point);
-        campaign =
-            test_.run(site, static_cast<std::uint64_t>(site.settings.seed), study_.search.final_repeats, effects);
+        campaign = test_.run(site, static_cast<std::uint64_t>(site.settings.seed), study_.search.final_repeats, acting);
         study_.interrupted = campaign.interrupted;
         if (campaign.interrupted) return {};
-        CompareStudy compared = make_study(site, in_.model, with_faults(in_.observed, effects), campaign);
+        CompareStudy compared = make_study(site, in_.model, with_faults(in_.observed, acting), campaign);
         compared.repeats = in_.observed.observations.matched ? study_.search.final_repeats : 0;
         return compared;
     }
 
-    void refit(const EffectFinding& f) {
+    void refit(const std::vector<EffectFinding>& findings) {
         AnswerFit fit;
-        fit.candidate = &study_.candidate_of(f);
-        fit.variant = &study_.variant_of(f);
-        fit.finding = f;
-        fit.model = calibrated(fit.candidate->name + "_" + std::to_string(f.variant), fit.variant, f);
+        std::string name;
+        for (const EffectFinding& f : findings) {
+            fit.effects.push_back({&study_.candidate_of(f), &study_.variant_of(f), f, 0.0, {}});
+            name +=
+                (name.empty() ? "" : "_and_") + fit.effects.back().candidate->name + "_" + std::to_string(f.variant);
+        }
+        fit.model = calibrated(name, fit.effects);
         if (study_.interrupted) return;
-        fit.study = compared(fit.model, fit.variant, fit.campaign);
+        const std::size_t first = fit.model.result.parameters.size() - fit.effects.size();
+        for (std::size_t k = 0; k < fit.effects.size(); ++k) {
+            fit.effects[k].strength = fit.model.strengths[k];
+            fit.effects[k].interval = fit.model.result.parameters[first + k].interval;
+        }
+        fit.study = compared(fit.model, fit.effects, fit.campaign);
         study_.answers.push_back(std::move(fit));
     }
 
@@ -198,8 +220,8 @@ private:
             std::stable_partition(study_.answers.begin(), study_.answers.end(), better);
             return;
         }
-        study_.demoted = "the blocks held out are predicted no better with " + study_.answers.front().candidate->name +
-                         " than without it";
+        study_.demoted =
+            "the blocks held out are predicted no better with " + study_.answers.front().name() + " than without";
         study_.verdict = Verdict::Unknown;
     }
 
@@ -227,6 +249,16 @@ std::size_t measured_blocks(const Observations& o) {
 
 }  // namespace
 
+std::string AnswerFit::name() const {
+    std::string text;
+    for (const AnsweredEffect& e : effects) text += (text.empty() ? "" : " and ") + e.candidate->name;
+    return text;
+}
+
+std::string zone_name(std::size_t effect) {
+    return effect == 0 ? "effect_zone" : "effect_zone_" + std::to_string(effect + 1);
+}
+
 void run_study(const DiagnoseInput& input, DiagnoseStudy& study) {
     study.audit = input.observed.findings;
     study.blocks = measured_blocks(input.observed.observations);
@@ -249,14 +281,17 @@ void plan_study(const DiagnoseInput& input, DiagnoseStudy& study) {
 
 SiteFile extended_site(const DiagnoseStudy& study, const AnswerFit& answer) {
     SiteFile site = with_changes(study.site, study.keys.changes(answer.model.point));
-    EffectSettings entry;
-    entry.effect = answer.variant->at(answer.model.strength);
-    entry.soil = answer.variant->soil;
-    if (!std::isnan(answer.variant->from)) {
-        entry.place.file = "results.gpkg";
-        entry.place.layer = "effect_zone";
+    for (std::size_t k = 0; k < answer.effects.size(); ++k) {
+        const AnsweredEffect& e = answer.effects[k];
+        EffectSettings entry;
+        entry.effect = e.variant->at(e.strength);
+        entry.soil = e.variant->soil;
+        if (!std::isnan(e.variant->from)) {
+            entry.place.file = "results.gpkg";
+            entry.place.layer = zone_name(k);
+        }
+        site.settings.effects.push_back(std::move(entry));
     }
-    site.settings.effects.push_back(std::move(entry));
     return site;
 }
 

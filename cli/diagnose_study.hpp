@@ -13,22 +13,32 @@
 
 namespace scree::cli {
 
-/// A model that was calibrated, and the effect in it if there is one: the last parameter is then its strength.
+/// A model that was calibrated, with or without effects: their strengths are the last parameters.
 struct CalibratedModel {
-    CalibrationPoint point;  ///< of the free keys
-    double strength = 0.0;   ///< of the effect [-]
+    CalibrationPoint point;         ///< of the free keys
+    std::vector<double> strengths;  ///< of the effects [-]
     CalibrationResult result;
     std::size_t evaluations = 0;  ///< simulations that it took [-]
 };
 
-/// An effect of the answer, refitted.
-struct AnswerFit {
+/// An effect of an answer.
+struct AnsweredEffect {
     const DiagnosisCandidate* candidate = nullptr;
     const DiagnosisVariant* variant = nullptr;
     EffectFinding finding;
+    double strength = 0.0;  ///< refitted [-]
+    Interval interval;      ///< of it, 95 % [-]
+};
+
+/// An answer, refitted: one effect, or two that act together.
+struct AnswerFit {
+    std::vector<AnsweredEffect> effects;
     CalibratedModel model;
     CompareStudy study;  ///< of the measured blocks
     CampaignResult campaign;
+
+    double weight() const { return effects.front().finding.weight; }
+    std::string name() const;  ///< "ground_drag and air_drag"
 };
 
 /// Everything that a diagnosis found; text, JSON, site file and pictures are made from it and from nothing else.
@@ -80,7 +90,9 @@ void run_study(const DiagnoseInput& input, DiagnoseStudy& study);
 /// What the test in `input.observed`, of which values say only what would be measured, could see with the site's own parameters.
 void plan_study(const DiagnoseInput& input, DiagnoseStudy& study);
 
-/// The site with the calibrated values and the effect, as it would be simulated; `strength` of the variant.
+/// The site with the calibrated values and the effects, as it would be simulated.
+/// Where an effect acts lies beside the results, in a layer of this name, if it acts in a place.
+std::string zone_name(std::size_t effect);
 SiteFile extended_site(const DiagnoseStudy& study, const AnswerFit& answer);
 
 }  // namespace scree::cli

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "scree/inference/diagnosis.hpp"
 
+#include "inference/second_effect.hpp"
+
 #include "scree/base/assert.hpp"
 #include "scree/base/random.hpp"
 
@@ -17,8 +19,6 @@ namespace {
 
 /// z beyond the limit at which four of five effects are seen: the 80 % quantile of the normal distribution [-].
 constexpr double kFourOfFive = 0.8416;
-/// 90 % interval of a normal distribution, in standard deviations [-].
-constexpr double kNinety = 1.6449;
 /// A finalist's z is at least this share of the best one's [-].
 constexpr double kFinalistShare = 0.6;
 /// Least strength that is followed, as a share of the largest [-].
@@ -519,14 +519,11 @@ void Diagnoser::weigh(Diagnosis& d, std::vector<Hypothesis>& followed) const {
         const EffectDose& v = variants_[followed[k].fingerprint];
         EffectFinding& f = *std::find_if(d.findings.begin(), d.findings.end(),
                                          [&](const EffectFinding& x) { return x.effect == v.effect; });
-        const double largest = problem_.effects[v.effect].variants[v.variant].most;
         f.finalist = true;
         f.variant = v.variant;
         f.z = d.score.z[static_cast<Eigen::Index>(followed[k].fingerprint)];
         f.visibility = d.score.visibility[static_cast<Eigen::Index>(followed[k].fingerprint)];
         f.strength = followed[k].strength;
-        f.strength_interval = {std::max(0.0, f.strength - kNinety * followed[k].strength_deviation),
-                               std::min(largest, f.strength + kNinety * followed[k].strength_deviation)};
         f.parameters.assign(followed[k].parameters.data(),
                             followed[k].parameters.data() + followed[k].parameters.size());
         f.misfit = followed[k].q;
@@ -581,7 +578,13 @@ Diagnosis Diagnoser::run(bool measured) {
 
 Diagnosis diagnose(const DiagnosisProblem& problem, const ObservationTable& measured, const DiagnosisSettings& settings,
                    const DiagnosisSimulation& simulate, const std::function<void(const DiagnosisProgress&)>& progress) {
-    return Diagnoser(problem, measured, settings, simulate, progress).run(true);
+    const auto one = [&](const DiagnosisProblem& of, const DiagnosisSimulation& with) {
+        return Diagnoser(of, measured, settings, with, progress).run(true);
+    };
+    Diagnosis d = one(problem, simulate);
+    if (!d.interrupted && d.verdict == Verdict::Unknown)
+        d.interrupted = !explain_with_two(problem, simulate, settings, one, d);
+    return d;
 }
 
 Diagnosis plan_test(const DiagnosisProblem& problem, const ObservationTable& planned, const DiagnosisSettings& settings,

@@ -20,7 +20,8 @@ namespace scree {
 /// (ScoreTest), the finalists then by simulations at the strength and parameters that explain it best, with a Gaussian likelihood of the mean
 /// residual whose mean and covariance are simulated there (synthetic likelihood: Wood 2010, Nature 466:1102-1104). Their weights, with the price of free
 /// strengths and places and beside that of the calibrated model itself, are the answer: one name, a group that the data cannot tell apart, or none of them
-/// where the best one is rejected, too, or where the calibrated model remains a serious rival.
+/// where the best one is rejected, too, or where the calibrated model remains a serious rival. Where one effect is not enough, the best ones become part of
+/// the model, and a second is looked for in the same way: at most two are named.
 
 /// One way in which an effect may act: a place, a sign, a parameter other than its strength.
 struct EffectVariant {
@@ -93,8 +94,7 @@ struct EffectFinding {
     std::size_t seen_variant = 0;  ///< the variant that this strength is of
     // of finalists
     bool finalist = false;
-    double strength = kNaN;          ///< [-]
-    Interval strength_interval;      ///< 90 % [-]
+    double strength = kNaN;          ///< that explains most; its interval is a matter of a calibration with it [-]
     std::vector<double> parameters;  ///< with it [*]
     double misfit = kNaN;            ///< Q that is left [-]
     double p = kNaN;                 ///< of so much being left if this is the answer [-]
@@ -106,6 +106,7 @@ struct Diagnosis {
     Verdict verdict = Verdict::None;
     double weight_none = 1.0;             ///< of the calibrated model as it is [-]
     std::vector<EffectFinding> answer;    ///< one if named, several of a group or data problem, best first
+    bool together = false;                ///< the two of `answer` act both: neither suffices alone
     std::vector<EffectFinding> findings;  ///< of all effects, by weight, then z
     std::vector<double>
         parameters;  ///< of the calibrated model that was tested, moved to where its residuals ask for [*]

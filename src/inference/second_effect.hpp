@@ -1,0 +1,18 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include "scree/inference/diagnosis.hpp"
+
+namespace scree {
+
+/// Diagnosis of a problem with at most one effect more than it has.
+using DiagnosisOfOne = std::function<Diagnosis(const DiagnosisProblem&, const DiagnosisSimulation&)>;
+
+/// Where the best single effect leaves more than its own simulations do: the second against the one-effect model. The first becomes part of the model, its
+/// strength a parameter like the others, and the diagnosis is done again without it. Every first that leaves little is tried; if two ways
+/// lead to different pairs, the better one must be so by as much as a name needs. Fills the answer of `d` and its verdict, or leaves both as they are.
+/// False: it was stopped.
+bool explain_with_two(const DiagnosisProblem& problem, const DiagnosisSimulation& simulate,
+                      const DiagnosisSettings& settings, const DiagnosisOfOne& diagnose_one, Diagnosis& d);
+
+}  // namespace scree
