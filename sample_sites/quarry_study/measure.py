@@ -4,6 +4,8 @@
 
 Usage: measure.py SCREE SITE_FOLDER     (writes SITE_FOLDER/observed/stopping_points.csv and screen_crossings.csv)
 
+If the truth has a law of its own, SITE_FOLDER/hidden_law.cpp, it is compiled first (c++).
+
 What the crew does, with one random stream for all of it:
 - it surveys where each block lies, with a standard deviation of 0.1 m in easting and in northing;
 - it does not find two of the fifty;
@@ -24,6 +26,7 @@ from osgeo import ogr
 
 ogr.UseExceptions()
 
+HERE = Path(__file__).resolve().parent
 POSITION_ERROR = 0.1            # [m]
 NOT_FOUND = 2                   # [-] blocks
 SPEED_ERROR = 0.05, 0.1         # [-] of the value, [m/s]
@@ -73,6 +76,10 @@ def main():
         sys.exit(__doc__)
     scree, site = sys.argv[1], Path(sys.argv[2])
     random = np.random.RandomState(20220609)
+    law = site / "hidden_law.cpp"
+    if law.exists():
+        (site / "out_law").mkdir(exist_ok=True)
+        subprocess.run(["c++", "-shared", "-fPIC", "-O2", "-I", HERE.parents[1] / "include", "-o", site / "out_law" / "hidden_law.so", law], check=True)
     with tempfile.TemporaryDirectory() as folder:
         stops, crossings = throw(scree, str(site / "truth.toml"), f"{folder}/truth")
     observed = site / "observed"

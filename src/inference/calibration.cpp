@@ -21,7 +21,7 @@ constexpr double kApart = 0.25;     // starts of one level are so far apart if t
 constexpr std::size_t kRaceSeeds = 3;          // [-]
 constexpr std::size_t kSurroundingRounds = 2;  // the second box follows from the first fit [-]
 constexpr std::int64_t kRaceDraws = 1000;      // of the records, for how far a level is behind [-]
-constexpr std::size_t kFoldSeen = 2;  // simulated points that are tried for a fold, besides the quadratic's minimum [-]
+constexpr std::size_t kSeen = 2;               // simulated points that compete with the quadratic's minimum [-]
 
 /// Streams of random numbers for different uses.
 enum Stream : std::uint64_t { kScreening, kHypercube, kRace, kJudgement, kFolds, kDraws, kBehind, kDesign, kMany = 64 };
@@ -63,8 +63,9 @@ struct Plan {
             std::max(surroundings, kSurroundingRounds * (coefficients + 2));  // each round must be able to fit
     }
     std::size_t total() const {
-        return levels.size() * (screening + starts * (population * generations + kRaceSeeds)) + surroundings +
-               (dimension > 0 ? 3 : 2) + folds * (1 + kFoldSeen);
+        return levels.size() *
+                   (screening + starts * (population * generations + (dimension > 0 ? 2 : 1) * kRaceSeeds)) +
+               surroundings + (dimension > 0 ? 3 + kSeen : 2) + folds * (1 + kSeen);
     }
 };
 
@@ -204,13 +205,19 @@ private:
     CalibrationSearch descend(const Eigen::VectorXd& from, const std::vector<std::size_t>& levels,
                               std::uint64_t number) {
         CmaEs strategy(from, kFirstStep, static_cast<int>(plan_.population), stream(number));
+        double least = kInfinity;
+        best_seen_.push_back(point_at(from, levels));
         for (std::size_t g = 0; g < plan_.generations; ++g) {
             std::vector<double> losses;
-            for (const Eigen::VectorXd& u : strategy.ask())
-                losses.push_back(fit_of(evaluate(CalibrationStage::Search, point_at(u, levels), seed(number + 1 + g),
-                                                 s_.search_repeats),
-                                        {})
-                                     .loss);
+            for (const Eigen::VectorXd& u : strategy.ask()) {
+                const CalibrationPoint point = point_at(u, levels);
+                losses.push_back(
+                    fit_of(evaluate(CalibrationStage::Search, point, seed(number + 1 + g), s_.search_repeats), {})
+                        .loss);
+                if (losses.back() >= least) continue;
+                least = losses.back();
+                best_seen_.back() = point;
+            }
             strategy.tell(losses);
         }
         CalibrationSearch found;
@@ -219,23 +226,34 @@ private:
         return found;
     }
 
-    /// The ends of all searches against each other, with the same random numbers.
+    /// The ends of all searches against each other, with the same random numbers. A search that has not come to its end in so few generations has its mean
+    /// between valleys: the best point that it has seen competes with it.
     void race() {
         const auto n = static_cast<Eigen::Index>(problem_.records);
         std::vector<Eigen::VectorXd> losses;
-        for (CalibrationSearch& s : result_.searches) {
-            losses.push_back(Eigen::VectorXd::Zero(n));
-            CalibrationFit mean{0.0, 0.0};
+        const auto run = [&](CalibrationSearch& s) {
+            Eigen::VectorXd sum = Eigen::VectorXd::Zero(n);
+            s.fit = {0.0, 0.0};
             for (std::size_t k = 0; k < kRaceSeeds; ++k) {
                 const SimulatedLoss& result =
                     evaluate(CalibrationStage::Race, s.end, seed(kRace + kMany * (1 + k)), s_.repeats);
                 const CalibrationFit fit = fit_of(result, {});
-                mean.loss += fit.loss / kRaceSeeds;
-                mean.floor += fit.floor / kRaceSeeds;
-                if (!result.loss.empty())
-                    losses.back() += Eigen::Map<const Eigen::VectorXd>(result.loss.data(), n) / kRaceSeeds;
+                s.fit.loss += fit.loss / kRaceSeeds;
+                s.fit.floor += fit.floor / kRaceSeeds;
+                if (!result.loss.empty()) sum += Eigen::Map<const Eigen::VectorXd>(result.loss.data(), n) / kRaceSeeds;
             }
-            s.fit = mean;
+            return sum;
+        };
+        for (std::size_t k = 0; k < result_.searches.size(); ++k) {
+            CalibrationSearch& s = result_.searches[k];
+            losses.push_back(run(s));
+            if (plan_.dimension == 0) continue;
+            CalibrationSearch seen = s;
+            seen.end = best_seen_[k];
+            const Eigen::VectorXd of_seen = run(seen);
+            if (!(seen.fit.loss < s.fit.loss)) continue;
+            s = std::move(seen);
+            losses.back() = of_seen;
         }
         std::vector<std::size_t> order(result_.searches.size());
         std::iota(order.begin(), order.end(), std::size_t{0});
@@ -371,8 +389,8 @@ private:
 
     // --- judgement ---
 
-    /// The end of the best search stands where the quadratic led to something that is surely worse.
-    void keep_the_better(const SimulatedLoss& best, const SimulatedLoss& searched) {
+    /// Something that was simulated stands where the quadratic led to something that is surely worse.
+    void keep_the_better(SimulatedLoss& best, const CalibrationPoint& point, const SimulatedLoss& searched) {
         const CalibrationFit fit = fit_of(searched, {});
         if (!std::isfinite(fit.loss)) return;
         if (std::isfinite(result_.best_fit.loss)) {
@@ -381,7 +399,8 @@ private:
             if (interval_of_mean(a - b).low <= 0.0) return;
         }
         result_.surroundings.holds = false;
-        result_.best = result_.searches.front().end;
+        best = searched;
+        result_.best = point;
         result_.best_fit = fit;
         for (std::size_t i = 0; i < plan_.dimension; ++i) {
             ParameterEstimate& e = result_.parameters[i];
@@ -393,10 +412,9 @@ private:
         }
     }
 
-    /// Where a calibration that knows only the records with 1 may end. Around an answer at the edge of what the model can do, a quadratic leads astray:
-    /// what was simulated and suits these records best competes with its minimum.
-    std::vector<CalibrationPoint> candidates_for(const std::vector<char>& records) const {
-        std::vector<CalibrationPoint> points{point_at(minimum_for(*fit_, box_, records), result_.best.levels)};
+    /// What was simulated and suits the records with 1, or all, best.
+    std::vector<CalibrationPoint> best_simulated(const std::vector<char>& records) const {
+        std::vector<CalibrationPoint> points;
         std::vector<std::pair<double, std::size_t>> ranked;
         for (std::size_t k = 0; k < done_; ++k)
             if (journal_[k].task.stage <= CalibrationStage::Surroundings &&
@@ -405,9 +423,17 @@ private:
         std::sort(ranked.begin(), ranked.end());
         for (const auto& [loss, k] : ranked) {
             const CalibrationPoint& point = journal_[k].task.point;
-            if (points.size() == 1 + kFoldSeen || !std::isfinite(loss)) break;
+            if (points.size() == kSeen || !std::isfinite(loss)) break;
             if (std::find(points.begin(), points.end(), point) == points.end()) points.push_back(point);
         }
+        return points;
+    }
+
+    /// Where a calibration that knows only the records with 1 may end. Around an answer at the edge of what the model can do, a quadratic leads astray:
+    /// what was simulated competes with its minimum.
+    std::vector<CalibrationPoint> candidates_for(const std::vector<char>& records) const {
+        std::vector<CalibrationPoint> points = best_simulated(records);
+        points.insert(points.begin(), point_at(minimum_for(*fit_, box_, records), result_.best.levels));
         return points;
     }
 
@@ -415,10 +441,15 @@ private:
         const auto look = [&](const CalibrationPoint& point) -> const SimulatedLoss& {
             return evaluate(CalibrationStage::Judgement, point, seed(kJudgement), s_.final_repeats);
         };
-        const SimulatedLoss start = look(result_.start), best = look(result_.best);
+        const SimulatedLoss start = look(result_.start);
+        SimulatedLoss best = look(result_.best);
         result_.start_fit = fit_of(start, {});
         result_.best_fit = fit_of(best, {});
-        if (plan_.dimension > 0) keep_the_better(best, look(result_.searches.front().end));
+        if (plan_.dimension > 0) {
+            std::vector<CalibrationPoint> rivals = best_simulated({});
+            rivals.push_back(result_.searches.front().end);
+            for (const CalibrationPoint& rival : rivals) keep_the_better(best, rival, look(rival));
+        }
         if (plan_.folds == 0) return;
 
         std::vector<std::size_t> shuffled(problem_.records);
@@ -465,6 +496,7 @@ private:
     const std::function<void(const CalibrationProgress&)>& progress_;
     Plan plan_;
     CalibrationResult result_;
+    std::vector<CalibrationPoint> best_seen_;  ///< by each search
     std::size_t done_ = 0;
     double least_loss_ = kInfinity, best_gap_ = kNaN;
     std::optional<QuadraticFit> fit_;

@@ -37,6 +37,11 @@ constexpr double kMostNoise = 0.5;
 /// Samples of a simulation that its goodness of fit is judged by [-].
 constexpr std::int64_t kFitDraws = 299;
 
+/// Strong effects are looked for at strengths that grow by this factor [-], as long as less is left.
+constexpr double kGrow = 2.5;
+/// How many variants, of those whose fingerprints explain most, are looked at so; and of one effect at most [-].
+constexpr std::size_t kScanned = 16, kScannedOfOne = 3;
+
 /// A finalist that is no effect: the model itself.
 constexpr std::size_t kNoEffect = static_cast<std::size_t>(-1);
 /// What another place for the parameters must leave less to be looked at, of Q [-].
@@ -50,7 +55,7 @@ struct Hypothesis {
     double strength_deviation = kNaN;
     double q = kInfinity;  ///< what is left [-]
     double p = 0.0;
-    bool from_given = false;  ///< followed from the parameters that the site was given
+    bool from_given = false;  ///< followed from the parameters that the site was given, and the strength found there
 };
 
 Eigen::VectorXd to_vector(const std::vector<double>& values) {
@@ -97,6 +102,19 @@ private:
     std::size_t fingerprint_of(const EffectFinding& f) const;
     std::vector<EffectFinding> findings(const ScoreResult& score, double z_limit) const;
     std::vector<Hypothesis> finalists(const std::vector<EffectFinding>& findings) const;
+    /// A simulation, and what is measured seen from there.
+    struct Point {
+        Eigen::VectorXd at;          ///< parameters, then the strength if there is an effect
+        ResidualRows rows;           ///< of the simulation
+        Eigen::MatrixXd covariance;  ///< of rows
+        ResidualMean observed;
+        double misfit = kInfinity;
+        Eigen::LLT<Eigen::MatrixXd> factor() const {
+            return Eigen::LLT<Eigen::MatrixXd>(mean_covariance(covariance, observed.together));
+        }
+    };
+    bool look(Point& p, std::size_t fingerprint, std::int64_t repeats);
+    std::optional<std::vector<Hypothesis>> strong_finalists();
     bool follow(Hypothesis& h);
     bool rejected(const Diagnosis& d) const { return d.test.p <= settings_.level; }
     bool move_base(Diagnosis& d, const Hypothesis& without);
@@ -349,13 +367,75 @@ bool Diagnoser::follow_from_given(Diagnosis& d, std::vector<Hypothesis>& followe
     if (!rejected(d)) return true;
     std::swap(given, base_);
     if (!take_fingerprints()) return false;
-    for (Hypothesis& h : finalists(findings((*base_.test)(base_.observed), 0.0))) {
-        h.from_given = true;
+    planned_ += 2 * kScanned;
+    auto chosen = strong_finalists();
+    if (!chosen) return false;
+    for (Hypothesis& h : *chosen) {
         if (!follow(h)) return false;
         followed.push_back(std::move(h));
     }
     std::swap(given, base_);
     return true;
+}
+
+/// Simulates p.at and sees what is measured in the residual space of that.
+bool Diagnoser::look(Point& p, std::size_t fingerprint, std::int64_t repeats) {
+    const Eigen::Index count = base_.parameters.size();
+    std::vector<EffectDose> doses;
+    if (fingerprint != kNoEffect)
+        doses.push_back({variants_[fingerprint].effect, variants_[fingerprint].variant, p.at[count]});
+    auto table = simulate("finalists", p.at.head(count), std::move(doses), repeats);
+    if (!table) return false;
+    const ResidualSpace space(std::move(*table), measured_, problem_.blocks, settings_.residuals,
+                              base_.space->residuals());
+    p.rows = space.of_reference();
+    p.covariance = row_covariance(p.rows);
+    p.observed = mean_residual(space.of(measured_));
+    return true;
+}
+
+/// Finalists by what they leave at the strength that leaves least: a strong effect may be far from what its fingerprint at the reference strength tells.
+std::optional<std::vector<Hypothesis>> Diagnoser::strong_finalists() {
+    const ScoreResult score = (*base_.test)(base_.observed);
+    std::vector<std::size_t> order(variants_.size());
+    std::iota(order.begin(), order.end(), std::size_t{0});
+    std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
+        return score.z[static_cast<Eigen::Index>(a)] > score.z[static_cast<Eigen::Index>(b)];
+    });
+    std::vector<std::size_t> scanned_of(problem_.effects.size(), 0);
+    std::vector<Hypothesis> best(problem_.effects.size());
+    std::size_t scanned = 0;
+    for (const std::size_t k : order) {
+        const EffectDose& v = variants_[k];
+        if (!(score.z[static_cast<Eigen::Index>(k)] > 0.0) || scanned == kScanned) break;
+        if (!base_.test->fingerprints()[k].judged || scanned_of[v.effect] == kScannedOfOne) continue;
+        ++scanned_of[v.effect];
+        ++scanned;
+        const double most = problem_.effects[v.effect].variants[v.variant].most;
+        double last = kInfinity;
+        for (double strength = std::min(1.0, most);; strength = std::min(kGrow * strength, most)) {
+            Point p;
+            p.at.resize(base_.parameters.size() + 1);
+            p.at << base_.parameters, strength;
+            if (!look(p, k, settings_.repeats)) return std::nullopt;
+            const double q = ScoreTest(p.covariance, base_.jacobian, deviation_, {})(p.observed).q;
+            if (q < best[v.effect].q) {
+                best[v.effect].fingerprint = k;
+                best[v.effect].parameters = base_.parameters;
+                best[v.effect].strength = strength;
+                best[v.effect].q = q;
+                best[v.effect].from_given = true;
+            }
+            if (q >= last || strength >= most) break;
+            last = q;
+        }
+    }
+    std::vector<Hypothesis> chosen;
+    for (Hypothesis& h : best)
+        if (h.fingerprint != kNoEffect) chosen.push_back(std::move(h));
+    std::stable_sort(chosen.begin(), chosen.end(), [](const Hypothesis& a, const Hypothesis& b) { return a.q < b.q; });
+    chosen.resize(std::min(chosen.size(), settings_.finalists));
+    return chosen;
 }
 
 /// Gauss-Newton on parameters and strength, with a simulation at every point. Each point has the residual space of its own simulation: far from the
@@ -374,30 +454,12 @@ bool Diagnoser::follow(Hypothesis& h) {
     prior.head(count) = scale.head(count) = deviation_.array().square().inverse();
     start.head(count) = base_.parameters;
     if (any) directions.col(count) = base_.test->fingerprints()[h.fingerprint].change;
-    struct Point {
-        Eigen::VectorXd at;
-        ResidualRows rows;           ///< of its simulation
-        Eigen::MatrixXd covariance;  ///< of rows
-        ResidualMean observed;
-        double misfit = kInfinity;
-        Eigen::LLT<Eigen::MatrixXd> factor() const {
-            return Eigen::LLT<Eigen::MatrixXd>(mean_covariance(covariance, observed.together));
-        }
-    };
     const auto judge = [&](Point& p) {
         const Eigen::VectorXd moved = p.at - start;
         p.misfit = p.observed.mean.dot(p.factor().solve(p.observed.mean)) + moved.dot(prior.cwiseProduct(moved));
     };
-    const auto look = [&](Point& p, std::int64_t repeats) {
-        std::vector<EffectDose> doses;
-        if (any) doses.push_back({variant.effect, variant.variant, p.at[count]});
-        auto table = simulate("finalists", p.at.head(count), std::move(doses), repeats);
-        if (!table) return false;
-        const ResidualSpace space(std::move(*table), measured_, problem_.blocks, settings_.residuals,
-                                  base_.space->residuals());
-        p.rows = space.of_reference();
-        p.covariance = row_covariance(p.rows);
-        p.observed = mean_residual(space.of(measured_));
+    const auto look_at = [&](Point& p, std::int64_t repeats) {
+        if (!look(p, h.fingerprint, repeats)) return false;
         judge(p);
         return true;
     };
@@ -432,13 +494,19 @@ bool Diagnoser::follow(Hypothesis& h) {
     Point now{start, base_.space->of_reference(), row_covariance(base_.space->of_reference()), base_.observed,
               kInfinity};
     judge(now);
+    if (any && h.strength > 0.0) {
+        const ResidualMean without = now.observed;
+        now.at[count] = h.strength;
+        if (!look_at(now, settings_.repeats)) return false;
+        directions.col(count) = (without.mean - now.observed.mean) / h.strength;
+    }
     double share = 1.0;
     for (int round = 0; round < settings_.rounds; ++round) {
         const Step step = step_from(now, share);
         if (round > 0 && step.gain < kSettled) break;
         Point next;
         next.at = step.to;
-        if (!look(next, settings_.repeats)) return false;
+        if (!look_at(next, settings_.repeats)) return false;
         const Eigen::VectorXd way = next.at - now.at, foreseen = directions * way, weighed = scale.cwiseProduct(way);
         if (foreseen.dot(now.factor().solve(foreseen)) > kWorthLearning)
             directions += (now.observed.mean - next.observed.mean - foreseen) * weighed.transpose() / way.dot(weighed);
@@ -448,7 +516,7 @@ bool Diagnoser::follow(Hypothesis& h) {
         if (better >= 0.0 && better < kSettled) break;
     }
     if (any && now.at[count] == 0.0) now.at[count] = kLeastStrength * most;
-    if (!look(now, settings_.reference_repeats)) return false;
+    if (!look_at(now, settings_.reference_repeats)) return false;
     const Step last = step_from(now, 1.0);
     h.q = now.observed.mean.dot(now.factor().solve(now.observed.mean)) - last.gain;
     h.parameters = last.to.head(count);

@@ -47,7 +47,8 @@ def read(folder):
             "case": truth["case"], "tier": truth["tier"], "slope": truth["slope"], "n": truth["n"], "ids": truth["ids"],
             "instruments": "+".join(truth["instruments"]), "hidden": " and ".join(h["name"] for h in truth["hidden"]) or "nothing",
             "delta": max((h["delta"] for h in truth["hidden"] if h["delta"] is not None), default=None), "verdict": result["verdict"],
-            "names": " or ".join(names), "right": any(right), "all_right": bool(right) and all(right),
+            "names": (" and " if answer and answer[0]["together"] else " or ").join(names), "right": any(right), "all_right": bool(right) and all(right),
+            "both": len(families) == 2 and len(names) == 2 and all(any(name in f for name in names) for f in families),
             "top": bool(ranked) and any(ranked[0]["effect"] in f for f in families), "p": result["global_test"].get("p"),
             "closed": answer[0].get("removable_gap_closed") if answer else None, "place_error": place_error(truth, answer),
             "simulated": result["simulated_blocks"]})
@@ -82,8 +83,8 @@ def main():
     def named(c):
         return c["verdict"] == "NAMED"
 
-    def wrong(c):
-        return bool(c["names"]) and c["verdict"] in ("NAMED", "DATA PROBLEM") and not c["right"]
+    def wrong(c):  # of two names both must be right
+        return bool(c["names"]) and c["verdict"] in ("NAMED", "DATA PROBLEM") and not (c["all_right"] if " and " in c["names"] else c["right"])
 
     def detected(c):
         return c["verdict"] != "NONE"
@@ -94,13 +95,15 @@ def main():
     print("false alarms where nothing is hidden        ", rate(lambda c: c["tier"] == 5, detected))
     print("wrong name where nothing is hidden          ", rate(lambda c: c["tier"] == 5, wrong))
     print("wrong name, all cases                       ", rate(lambda c: True, wrong))
-    print("a single printed name is right              ", rate(lambda c: bool(c["names"]) and " or " not in c["names"], lambda c: c["right"]))
+    print("a single printed name is right              ", rate(lambda c: bool(c["names"]) and " or " not in c["names"] and " and " not in c["names"], lambda c: c["right"]))
     print("truth among the names, where any are printed", rate(lambda c: c["tier"] in (0, 1, 6) and c["names"], lambda c: c["right"]))
     for words, instruments in (("stops and speeds", "stops+speed"), ("with heights and spins", "stops+speed+height+spin")):
         print(f"best of detected is right, {words:<25}", rate(lambda c: physical(c) and detected(c) and c["instruments"] == instruments, lambda c: c["top"]))
     print("outside the catalogue: wrong name           ", rate(lambda c: c["tier"] == 3, named))
     print("outside, detected: UNKNOWN or GROUP         ", rate(lambda c: c["tier"] == 3 and detected(c), lambda c: c["verdict"] in ("UNKNOWN", "GROUP")))
     print("two effects, detected: a name is right      ", rate(lambda c: c["tier"] == 2 and bool(c["names"]), lambda c: c["right"]))
+    print("two effects, detected: both are named       ", rate(lambda c: c["tier"] == 2 and detected(c), lambda c: c["both"]))
+    print("two names said, both are right              ", rate(lambda c: " and " in c["names"], lambda c: c["both"]))
     print("3D under a 2D model: wrong name             ", rate(lambda c: c["tier"] == 4, named))
     print("fault of measurement, detected: right       ", rate(lambda c: c["tier"] == 6 and detected(c), lambda c: c["right"]))
     closed = [c["closed"] for c in cases if c["right"] and c["closed"] is not None and c["delta"] and c["delta"] >= 4.0]
