@@ -91,18 +91,21 @@ Figure effects_figure(const DiagnoseStudy& study) {
     for (const EffectFinding& f : d.findings) {
         const double value = study.planning ? f.visibility : f.z;
         bars.push_back({study.candidate_of(f).name, value, value > d.test.z_limit,
-                        f.finalist ? "weight " + short_number(f.weight) : ""});
+                        f.finalist ? "weight " + weight_text(f.weight) : ""});
     }
-    std::stable_sort(bars.begin(), bars.end(), [](const Bar& a, const Bar& b) { return a.value > b.value; });
+    if (study.planning)  // else finalists first, by weight
+        std::stable_sort(bars.begin(), bars.end(), [](const Bar& a, const Bar& b) { return a.value > b.value; });
     Figure f = bar_chart(bars, kNaN, d.test.z_limit, study.planning ? "What could be seen" : "What explains it",
                          study.planning ? "z to expect at the reference strength" : "z of the effect");
     f.file = "effects.svg";
     f.title = study.planning ? "What could be seen" : "What explains it";
-    f.caption =
-        study.planning
-            ? "How many standard deviations an effect at its reference strength would move the measurements, "
-              "with all taken out that a recalibration would absorb."
-            : "How well each effect, at its best place and form, explains what is left, in standard deviations.";
+    f.caption = study.planning
+                    ? "How many standard deviations an effect at its reference strength would move the measurements, "
+                      "with all taken out that a recalibration would absorb."
+                    : "Bars: how well each effect, at its best place and form, explains what the calibrated model "
+                      "leaves, in standard deviations. First the finalists by their weight, "
+                      "which is that of simulations at the strength and parameters that fit best: those may lie far "
+                      "from the calibrated model, where the bar cannot show it.";
     return f;
 }
 

@@ -158,7 +158,7 @@ std::string nearest(const DiagnoseStudy& study) {
     const std::string name = "; " + variant_name(study.variant_of(f)) + " comes nearest, but ";
     if (f.p <= study.settings.rejected)
         return name + "its own simulations look as far off in p = " + p_text(f.p) + " only";
-    return name + "has a weight of " + short_number(f.weight) + " only";
+    return name + "has a weight of " + weight_text(f.weight) + " only";
 }
 
 }  // namespace
@@ -256,16 +256,17 @@ void print_answers(std::ostream& out, const DiagnoseStudy& study) {
     out << "\n" << padded("", 34) << "gap of what is fitted   held out   gap over all   weight\n";
     out << padded("calibrated model", 34) << padded(gap_number(study.baseline.result.best_fit.gap()), 24)
         << padded(held_out_text(study.baseline), 11) << padded(gap_number(study.before.overall.gap), 15)
-        << short_number(study.diagnosis.weight_none) << "\n";
+        << weight_text(study.diagnosis.weight_none) << "\n";
     for (const AnswerFit& a : study.answers)
         out << padded("with " + a.name(), 34) << padded(gap_number(a.model.result.best_fit.gap()), 24)
             << padded(held_out_text(a.model), 11) << padded(gap_number(a.study.overall.gap), 15)
-            << short_number(a.weight()) << "\n";
+            << weight_text(a.weight()) << "\n";
     for (const AnswerFit& a : study.answers) {
         for (const AnsweredEffect& e : a.effects)
             out << "  " << variant_name(*e.variant) << ": " << strength_text(e) << "\n";
         if (!study.baseline.result.folds.empty())
-            out << "  closes " << short_number(100.0 * closed_share(study, a)) << " % of the removable held-out gap\n";
+            out << "  closes " << short_number(100.0 * std::min(1.0, closed_share(study, a)))
+                << " % of the removable held-out gap\n";
     }
 }
 
@@ -465,8 +466,7 @@ std::string effects_html(const DiagnoseStudy& study) {
     for (const EffectFinding& f : study.diagnosis.findings)
         rows.push_back({study.candidate_of(f).name, variant_name(study.variant_of(f)),
                         study.planning ? "" : short_number(f.z), short_number(f.visibility), smallest_seen(study, f),
-                        f.finalist ? short_number(f.weight) : "", f.finalist ? p_text(f.p) : "",
-                        look_alikes(study, f)});
+                        f.finalist ? weight_text(f.weight) : "", f.finalist ? p_text(f.p) : "", look_alikes(study, f)});
     return html_table({"effect", "form and place", "z", "z to expect at its reference", "seen in 4 of 5 tests from",
                        "weight", "p of what it leaves", "looks like"},
                       rows);

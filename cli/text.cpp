@@ -16,6 +16,10 @@ std::string short_number(double value) {
     return s.str();
 }
 
+std::string weight_text(double weight) {
+    return weight > 0.0 && weight < 0.001 ? "< 0.001" : gis::axis_number(weight, 0.001);
+}
+
 std::string percent(std::int64_t part, std::int64_t whole) {
     return short_number(whole > 0 ? 100.0 * static_cast<double>(part) / static_cast<double>(whole) : 0.0) + " %";
 }

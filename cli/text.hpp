@@ -12,6 +12,8 @@ namespace scree::cli {
 
 /// Three significant digits.
 std::string short_number(double value);
+/// "0.953", "< 0.001".
+std::string weight_text(double weight);
 /// "12.5 %".
 std::string percent(std::int64_t part, std::int64_t whole);
 /// A gap with as many digits as mean something.

@@ -313,7 +313,7 @@ class Case:
             name, (families, start, largest, text), _ = effect
             effect[2], reached = self.solve(lambda q: delta([text(q, self.at)]), start, largest)
             truth["hidden"].append({"name": name, "families": families, "strength": effect[2], "delta": reached,
-                                    "at": self.at if name in LOCAL else None})
+                                    "at": self.at if name in LOCAL else None, "entry": text(effect[2], self.at)})
         if self.fault:
             families, start, largest = FAULTS[self.fault[0]]
             if self.fault[0] == "screen_shift":

@@ -50,7 +50,7 @@ def read(folder):
             "names": (" and " if answer and answer[0]["together"] else " or ").join(names), "right": any(right), "all_right": bool(right) and all(right),
             "both": len(families) == 2 and len(names) == 2 and all(any(name in f for name in names) for f in families),
             "top": bool(ranked) and any(ranked[0]["effect"] in f for f in families), "p": result["global_test"].get("p"),
-            "closed": answer[0].get("removable_gap_closed") if answer else None, "place_error": place_error(truth, answer),
+            "covered": covered(truth, answer), "closed": answer[0].get("removable_gap_closed") if answer else None, "place_error": place_error(truth, answer),
             "simulated": result["simulated_blocks"]})
     return cases
 
@@ -62,6 +62,17 @@ def place_error(truth, answer):
     if not hidden or not named:
         return None
     return abs(sum(named[0]) / 2 - sum(hidden[0]) / 2)
+
+
+def covered(truth, answer):
+    """Whether the interval of a strength holds the hidden one, where the name, form and parameter are the hidden ones; else None."""
+    for a in answer:
+        for h in truth["hidden"]:
+            entry = dict(line.split(" = ", 1) for line in h.get("entry", "").splitlines() if " = " in line)
+            if entry.get("kind") == json.dumps(a["form"]) and a["parameter"] in entry:
+                low, high = a["interval_95"]
+                return low <= float(entry[a["parameter"]]) <= high
+    return None
 
 
 def main():
@@ -110,6 +121,7 @@ def main():
     if closed:
         print(f"held-out removable gap closed, median        {100 * statistics.median(closed):.0f} % of {len(closed)}; worse than without: "
               + wilson(sum(v < 0 for v in closed), len(closed)))
+    print("interval of the strength (95 %) holds it      ", rate(lambda c: c["covered"] is not None, lambda c: c["covered"]))
     places = [c["place_error"] for c in cases if c["right"] and c["place_error"] is not None]
     if places:
         print(f"place of a local effect, median error        {statistics.median(places):.1f} m of {len(places)}")
