@@ -9,8 +9,7 @@ namespace scree {
 using DiagnosisOfOne = std::function<Diagnosis(const DiagnosisProblem&, const DiagnosisSimulation&)>;
 
 /// Where the best single effect leaves more than its own simulations do: the second against the one-effect model. The first becomes part of the model, its
-/// strength a parameter like the others, and the diagnosis is done again without it. Every first that leaves little is tried; if two ways
-/// lead to different pairs, the better one must be so by as much as a name needs. Fills the answer of `d` and its verdict, or leaves both as they are.
+/// strength a parameter like the others, and the diagnosis is done again without it. Fills the answer of `d` and its verdict, or leaves both as they are.
 /// False: it was stopped.
 bool explain_with_two(const DiagnosisProblem& problem, const DiagnosisSimulation& simulate,
                       const DiagnosisSettings& settings, const DiagnosisOfOne& diagnose_one, Diagnosis& d);
