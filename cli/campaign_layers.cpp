@@ -37,9 +37,9 @@ gis::VectorLayer empty_layer(const char* name, GeometryKind kind, const char* ti
     return layer;
 }
 
-FieldValue block_id(const SiteModel& model, const BlockResult& b) {
+FieldValue block_id(const CampaignResult& result, const BlockResult& b) {
     if (b.row < 0) return std::monostate{};
-    return model.campaign.population.list[static_cast<std::size_t>(b.row)].id;
+    return result.block_ids[static_cast<std::size_t>(b.row)];
 }
 
 /// Horizontal distance between release and end; in 2D along the profile.
@@ -91,7 +91,7 @@ gis::VectorLayer stopping_points(const SiteModel& model, const CampaignResult& r
         f.id = static_cast<std::int64_t>(k) + 1;
         f.geometry = Points{b.stop};
         f.values = {static_cast<std::int64_t>(k),
-                    block_id(model, b),
+                    block_id(result, b),
                     std::string(kStopReasonNames[static_cast<std::size_t>(b.reason)]),
                     b.mass,
                     b.size.x(),
@@ -125,7 +125,7 @@ gis::VectorLayer release_points(const SiteModel& model, const CampaignResult& re
         Feature f;
         f.id = static_cast<std::int64_t>(k) + 1;
         f.geometry = Points{b.release};
-        f.values = {static_cast<std::int64_t>(k), block_id(model, b), b.mass, b.raised, b.feature};
+        f.values = {static_cast<std::int64_t>(k), block_id(result, b), b.mass, b.raised, b.feature};
         add_plane_values(model, b, f.values, {b.release_s});
         layer.data.features.push_back(std::move(f));
     }
@@ -151,8 +151,8 @@ gis::VectorLayer trajectories(const SiteModel& model, const CampaignResult& resu
         Feature f;
         f.id = t.block + 1;
         f.geometry = Polylines{Polyline{t.points, t.times}};
-        f.values = {t.block,  block_id(model, b), std::string(kStopReasonNames[static_cast<std::size_t>(b.reason)]),
-                    b.mass,   b.largest_speed,    b.largest_energy / kJoulePerKj,
+        f.values = {t.block,  block_id(result, b), std::string(kStopReasonNames[static_cast<std::size_t>(b.reason)]),
+                    b.mass,   b.largest_speed,     b.largest_energy / kJoulePerKj,
                     runout(b)};
         add_plane_values(model, b, f.values, {});
         layer.data.features.push_back(std::move(f));
@@ -183,7 +183,7 @@ gis::VectorLayer screen_crossings(const SiteModel& model, const CampaignResult& 
         const double azimuth = degrees_from_radians(std::atan2(c.velocity.x(), c.velocity.y()));
         f.values = {model.campaign.screens[static_cast<std::size_t>(c.screen)].name,
                     c.block,
-                    block_id(model, b),
+                    block_id(result, b),
                     b.mass,
                     c.velocity.norm(),
                     c.height,

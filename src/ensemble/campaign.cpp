@@ -163,6 +163,7 @@ CampaignResult run_campaign(const CampaignInput& input, const CampaignProgress& 
     const Prepared prepared(input);
     CampaignResult result;
     result.blocks.resize(static_cast<std::size_t>(input.release.count));
+    for (const auto& listed : input.population.list) result.block_ids.push_back(listed.id);
     const int threads =
         input.threads > 0 ? input.threads : static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
     const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, static_cast<std::size_t>(threads));

@@ -131,6 +131,7 @@ struct DepositCount {
 
 struct CampaignResult {
     std::vector<BlockResult> blocks;           ///< one per block number
+    std::vector<std::string> block_ids;        ///< of the population's list, by row
     std::vector<ScreenCrossing> crossings;     ///< by block, then screen
     std::vector<KeptTrajectory> trajectories;  ///< by block
     CellMap cells;                             ///< 3D
