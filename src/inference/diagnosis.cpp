@@ -84,7 +84,7 @@ public:
         planned_ = kRecentrings + of_base() + settings.finalists * of_finalist();
     }
 
-    /// What there is to look at: a plan, a model as a calibration left it, or one that was followed to where it leaves least.
+    /// What there is to look at: a plan, a model as a calibration left it, or one that was followed.
     enum class Of { Plan, Calibrated, Followed };
     Diagnosis run(Of of);
 
@@ -117,8 +117,7 @@ private:
     };
     bool look(Point& p, std::size_t fingerprint, std::int64_t repeats);
     std::optional<std::vector<Hypothesis>> strong_finalists();
-    bool follow(Hypothesis& h, const Eigen::MatrixXd* derivatives = nullptr);
-    bool polish(std::vector<Hypothesis>& followed);
+    bool follow(Hypothesis& h);
     bool rejected(const Diagnosis& d) const { return d.test.p <= settings_.level; }
     bool move_base(Diagnosis& d, const Hypothesis& without);
     bool settle_base(Diagnosis& d);
@@ -377,7 +376,6 @@ bool Diagnoser::follow_from_given(Diagnosis& d, std::vector<Hypothesis>& followe
         if (!follow(h)) return false;
         followed.push_back(std::move(h));
     }
-    if (!polish(followed)) return false;
     std::swap(given, base_);
     return true;
 }
@@ -446,7 +444,7 @@ std::optional<std::vector<Hypothesis>> Diagnoser::strong_finalists() {
 /// calibrated model, whose probabilities have run into 0 and 1, that still tells by how much. Derivatives are those at the calibrated model and learn
 /// from the way (Broyden 1965); steps that lead to worse are halved. The last simulation has as many repeats as the reference and judges: what is left of the measured
 /// residual there, parameters and strength free.
-bool Diagnoser::follow(Hypothesis& h, const Eigen::MatrixXd* derivatives) {
+bool Diagnoser::follow(Hypothesis& h) {
     const bool any = h.fingerprint != kNoEffect;
     const EffectDose variant = any ? variants_[h.fingerprint] : EffectDose{};
     const double most = any ? problem_.effects[variant.effect].variants[variant.variant].most : 0.0;
@@ -498,12 +496,7 @@ bool Diagnoser::follow(Hypothesis& h, const Eigen::MatrixXd* derivatives) {
     Point now{start, base_.space->of_reference(), row_covariance(base_.space->of_reference()), base_.observed,
               kInfinity};
     judge(now);
-    if (derivatives) {
-        directions = *derivatives;
-        now.at.head(count) = h.parameters;
-        now.at[count] = h.strength;
-        if (!look_at(now, settings_.repeats)) return false;
-    } else if (any && h.strength > 0.0) {
+    if (any && h.strength > 0.0) {
         const ResidualMean without = now.observed;
         now.at[count] = h.strength;
         if (!look_at(now, settings_.repeats)) return false;
@@ -532,40 +525,6 @@ bool Diagnoser::follow(Hypothesis& h, const Eigen::MatrixXd* derivatives) {
     h.strength = any ? last.to[count] : 0.0;
     h.strength_deviation = last.strength_deviation;
     h.p = goodness_of_fit(now.rows, now.covariance, directions, now.observed);
-    return true;
-}
-
-/// The effect that leaves least, if its own simulations reject it, once more from where it was found, with derivatives taken there: those of the calibrated
-/// model may have led to a place that is not its best.
-bool Diagnoser::polish(std::vector<Hypothesis>& followed) {
-    if (followed.empty()) return true;
-    Hypothesis& best = *std::min_element(followed.begin(), followed.end(),
-                                         [](const Hypothesis& a, const Hypothesis& b) { return a.q < b.q; });
-    if (best.p > settings_.rejected) return true;
-    const EffectDose& v = variants_[best.fingerprint];
-    const double most = problem_.effects[v.effect].variants[v.variant].most;
-    const Eigen::Index count = best.parameters.size();
-    planned_ += static_cast<std::size_t>(2 * count) + 2 + of_finalist();
-    Eigen::MatrixXd directions(base_.observed.mean.size(), count + 1);
-    for (Eigen::Index k = 0; k <= count; ++k) {
-        Point above, below;
-        above.at.resize(count + 1);
-        above.at << best.parameters, best.strength;
-        below.at = above.at;
-        const bool strength = k == count;
-        const auto j = static_cast<std::size_t>(k);
-        const double step = strength ? std::max(0.25 * best.strength, 2.0 * kLeastStrength * most) : problem_.step[j],
-                     low = strength ? 0.0 : problem_.low[j], high = strength ? most : problem_.high[j];
-        above.at[k] = std::min(above.at[k] + step, high);
-        below.at[k] = std::max(below.at[k] - step, low);
-        if (!look(above, best.fingerprint, 2 * settings_.repeats) ||
-            !look(below, best.fingerprint, 2 * settings_.repeats))
-            return false;
-        directions.col(k) = (below.observed.mean - above.observed.mean) / (above.at[k] - below.at[k]);
-    }
-    Hypothesis better = best;
-    if (!follow(better, &directions)) return false;
-    if (better.q < best.q) best = better;
     return true;
 }
 
@@ -665,17 +624,16 @@ void Diagnoser::conclude(Diagnosis& d, std::vector<Hypothesis>& followed) const 
 }
 
 Diagnosis Diagnoser::run(Of of) {
-    const bool measured = of != Of::Plan, calibrated = of == Of::Calibrated;
+    const bool measured = of != Of::Plan;
     Diagnosis d;
     d.interrupted = true;
-    if (!build_space() || !differentiate() || (calibrated && !recentre()) || !take_fingerprints()) return d;
+    if (!build_space() || !differentiate() || (of == Of::Calibrated && !recentre()) || !take_fingerprints()) return d;
     judge(d);
-    if (calibrated && rejected(d) && !settle_base(d)) return d;
+    if (measured && rejected(d) && !settle_base(d)) return d;
     std::vector<Hypothesis> followed;
     if (measured && rejected(d)) followed = finalists(d.findings);
     for (Hypothesis& h : followed)
         if (!follow(h)) return d;
-    if (!polish(followed)) return d;
     if (measured && rejected(d)) conclude(d, followed);
     if (measured && rejected(d) && d.verdict == Verdict::Unknown && !problem_.given.empty()) {
         if (!follow_from_given(d, followed)) return d;

@@ -44,21 +44,30 @@ bool explain_with_two(const DiagnosisProblem& problem, const DiagnosisSimulation
     const Diagnosis more = diagnose_one(with_effect(problem, first), with_effect(simulate, first, most));
     if (more.interrupted) return false;
     d.simulated_blocks += more.simulated_blocks;
-    const bool named = more.verdict == Verdict::Named || more.verdict == Verdict::DataProblem;
-    if (!named || more.answer.size() != 1) return true;
-    EffectFinding second = more.answer.front();
-    const double share = second.parameters.back();
+    const bool alone = more.verdict == Verdict::None && first.weight >= settings.named;
+    const bool pair =
+        (more.verdict == Verdict::Named || more.verdict == Verdict::DataProblem) && more.answer.size() == 1;
+    if (!alone && !pair) return true;
+    std::vector<double> parameters = pair ? more.answer.front().parameters : more.parameters;
+    const double share = parameters.back();
     if (share < kLeastStrength) return true;
-    second.parameters.pop_back();
+    parameters.pop_back();
     first.strength = most * share;
-    first.parameters = second.parameters;
-    first.misfit = second.misfit;
-    first.p = second.p;
-    first.weight = second.weight;
-    const bool of_data = problem.effects[first.effect].measurement && problem.effects[second.effect].measurement;
-    d.verdict = of_data ? Verdict::DataProblem : Verdict::Named;
-    d.together = true;
-    d.answer = {first, second};
+    first.parameters = parameters;
+    first.p = more.test.p;
+    d.answer = {first};
+    if (pair) {
+        EffectFinding second = more.answer.front();
+        second.parameters = parameters;
+        d.answer.front().p = second.p;
+        d.answer.front().weight = second.weight;
+        d.answer.front().misfit = second.misfit;
+        d.answer.push_back(std::move(second));
+    }
+    d.together = pair;
+    d.verdict = Verdict::DataProblem;
+    for (const EffectFinding& f : d.answer)
+        if (!problem.effects[f.effect].measurement) d.verdict = Verdict::Named;
     return true;
 }
 

@@ -9,8 +9,8 @@ namespace scree {
 using DiagnosisOfOne = std::function<Diagnosis(const DiagnosisProblem&, const DiagnosisSimulation&)>;
 
 /// Where the best single effect leaves more than its own simulations do: the second against the one-effect model. The first becomes part of the model, its
-/// strength a parameter like the others, and the diagnosis is done again without it. Fills the answer of `d` and its verdict, or leaves both as they are.
-/// False: it was stopped.
+/// strength a parameter like the others, and the diagnosis is done again without it. If nothing is missing then, with derivatives taken where the first stands, it suffices
+/// alone after all. Fills the answer of `d` and its verdict, or leaves both as they are. False: it was stopped.
 bool explain_with_two(const DiagnosisProblem& problem, const DiagnosisSimulation& simulate,
                       const DiagnosisSettings& settings, const DiagnosisOfOne& diagnose_one, Diagnosis& d);
 
