@@ -56,6 +56,18 @@ Outcome calibrate(const fs::path& observed, const fs::path& output, const std::v
     return in_plane("calibrate", observed, output, args);
 }
 
+// A site whose blocks are drawn, and a field test that knows its own: their ids come from the test.
+TEST(Calibrate, KnowsTheMeasuredBlocksOfASiteWithoutAList) {
+    const TempDir folder;
+    const Outcome run = calibrate(field_test(folder), folder / "out", {"--set", "blocks.list="});
+    ASSERT_EQ(run.code, 0) << run.err;
+    const auto stops = read_points(folder / "out" / "results.gpkg", "stopping_points");
+    std::set<std::string> ids;
+    for (const PointRow& stop : stops) ids.insert(stop.values.at("block_id"));
+    EXPECT_EQ(ids.size(), static_cast<std::size_t>(kMeasured));
+    EXPECT_FALSE(ids.contains(""));
+}
+
 TEST(Calibrate, FindsTheGroundOfTheFieldTestAndWritesASiteFileThatHasIt) {
     const TempDir folder;
     const fs::path observed = field_test(folder), out = folder / "out";
