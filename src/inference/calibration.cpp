@@ -64,7 +64,7 @@ struct Plan {
     }
     std::size_t total() const {
         return levels.size() *
-                   (screening + starts * (population * generations + (dimension > 0 ? 2 : 1) * kRaceSeeds)) +
+                   (screening + starts * (population * generations + (dimension > 0 ? 3 : 1) * kRaceSeeds)) +
                surroundings + (dimension > 0 ? 3 + kSeen : 2) + folds * (1 + kSeen);
     }
 };
@@ -227,7 +227,7 @@ private:
     }
 
     /// The ends of all searches against each other, with the same random numbers. A search that has not come to its end in so few generations has its mean
-    /// between valleys: the best point that it has seen competes with it.
+    /// between valleys: the best point that it has seen and the one it began at compete with it.
     void race() {
         const auto n = static_cast<Eigen::Index>(problem_.records);
         std::vector<Eigen::VectorXd> losses;
@@ -248,12 +248,14 @@ private:
             CalibrationSearch& s = result_.searches[k];
             losses.push_back(run(s));
             if (plan_.dimension == 0) continue;
-            CalibrationSearch seen = s;
-            seen.end = best_seen_[k];
-            const Eigen::VectorXd of_seen = run(seen);
-            if (!(seen.fit.loss < s.fit.loss)) continue;
-            s = std::move(seen);
-            losses.back() = of_seen;
+            for (const CalibrationPoint& point : {best_seen_[k], CalibrationPoint(s.begin)}) {
+                CalibrationSearch other = s;
+                other.end = point;
+                const Eigen::VectorXd of_other = run(other);
+                if (!(other.fit.loss < s.fit.loss)) continue;
+                s = std::move(other);
+                losses.back() = of_other;
+            }
         }
         std::vector<std::size_t> order(result_.searches.size());
         std::iota(order.begin(), order.end(), std::size_t{0});

@@ -89,7 +89,7 @@ TEST(Calibration, CommonRandomNumbersInsideAGenerationFreshOnesBetween) {
     for (const auto& [seed, count] : uses[CalibrationStage::Search]) EXPECT_EQ(count, 6U) << seed;
     EXPECT_EQ(uses[CalibrationStage::Race].size(), 3U);
     for (const auto& [seed, count] : uses[CalibrationStage::Race])
-        EXPECT_EQ(count, 4U) << seed;  // end and best point seen of both searches
+        EXPECT_EQ(count, 6U) << seed;  // end, best point seen and beginning of both searches
     for (const auto& [seed, count] : uses[CalibrationStage::Surroundings]) EXPECT_EQ(count, 1U) << seed;
     EXPECT_EQ(uses[CalibrationStage::Judgement].size(), 1U);
     std::set<std::uint64_t> all;
