@@ -8,5 +8,6 @@ extern "C" void scree_contact_law(const scree_contact_state*, scree_contact_law_
 
 extern "C" void scree_ground_drag(const scree_contact_state* s, scree_ground_drag_values* drag) {
     const double* v = s->velocity;
-    drag->linear = s->number[0] * std::pow(v[0] * v[0] + v[1] * v[1] + v[2] * v[2], 0.25);  // force m c v, c = a sqrt(v)
+    drag->linear =
+        s->number[0] * std::pow(v[0] * v[0] + v[1] * v[1] + v[2] * v[2], 0.25);  // force m c v, c = a sqrt(v)
 }

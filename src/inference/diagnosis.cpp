@@ -55,7 +55,7 @@ struct Hypothesis {
     double strength_deviation = kNaN;
     double q = kInfinity;  ///< what is left [-]
     double p = 0.0;
-    bool from_given = false;  ///< followed from the parameters that the site was given, and the strength found there
+    bool from_given = false;  ///< followed from the parameters that the site was given
 };
 
 Eigen::VectorXd to_vector(const std::vector<double>& values) {
