@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "cli/diagnose_candidates.hpp"
 
+#include "scree/base/error.hpp"
+
 #include <algorithm>
 #include <cmath>
 #include <sstream>
@@ -34,7 +36,7 @@ constexpr Search kSearches[] = {
     {"rolling_speed", K::RollingSpeed, "speed", 5.0, 5.0, Where::Soils, ""},
     {"rolling_size", K::RollingSize, "exponent", 1.0, 3.0, Where::Everywhere, "more for large blocks"},
     {"rolling_size", K::RollingSize, "exponent", -1.0, 2.0, Where::Everywhere, "less for large blocks"},
-    {"low_friction", K::LowFriction, "friction", 0.3, 1.5, Where::Soils, ""},
+    {"low_friction", K::LowFriction, "friction", 0.3, 1.5, Where::StripsOnly, ""},
     {"roughness", K::Roughness, "amplitude", 0.05, 8.0, Where::Soils, ""},
     {"soil_patch", K::SoilPatch, "rolling", 3.0, 4.0, Where::StripsOnly, "that holds blocks back"},
     {"soil_patch", K::SoilPatch, "rolling", 1.0 / 3.0, 4.0, Where::StripsOnly, "that lets blocks run"},
@@ -78,6 +80,7 @@ public:
     }
 
     DiagnosisCatalogue make() {
+        check_absent();
         for (const Search& search : kSearches) {
             const EffectInfo& info = effect_info(search.kind);
             const std::string reason = reason_against(search, info);
@@ -101,8 +104,24 @@ public:
 private:
     bool measured(Quantity q) const { return std::find(measured_.begin(), measured_.end(), q) != measured_.end(); }
 
+    /// Names in diagnosis.without must be those of effects that would be searched for.
+    void check_absent() const {
+        std::string names;
+        for (const Search& search : kSearches)
+            if (names.find(search.family) == std::string::npos)
+                names.append(names.empty() ? "" : ", ").append(search.family);
+        for (const std::string& name : s_.diagnosis_without)
+            if (std::none_of(std::begin(kSearches), std::end(kSearches),
+                             [&](const Search& s) { return name == s.family; }))
+                throw InputError("diagnosis.without: \"" + name + "\" is no effect that is searched for; there are " +
+                                 names);
+    }
+
     /// Why an effect is not searched for; empty: it is.
     std::string reason_against(const Search& search, const EffectInfo& info) const {
+        if (std::find(s_.diagnosis_without.begin(), s_.diagnosis_without.end(), search.family) !=
+            s_.diagnosis_without.end())
+            return "said to be absent (diagnosis.without)";
         for (const EffectSettings& e : s_.effects)
             if (e.effect.kind == search.kind) return "the site has it";
         if (info.limits.needs_impact && s_.dynamics.mode != SteppingMode::Event) return "needs model.mode = \"event\"";

@@ -348,7 +348,11 @@ void add_diagnosis(std::vector<Setting<SiteSettings>>& keys) {
     keys.push_back(d.integer("draws", {99, 1e6}, AT(diagnosis.draws), "Samples of chance."));
     keys.push_back(d.integer("finalists", {1, 100}, AT(diagnosis.finalists),
                              "Effects that are followed to the strength and parameters that explain most."));
-    keys.push_back(d.integer("rounds", {1, 100}, AT(diagnosis.rounds), "Simulations on the way there."));
+    keys.push_back(d.texts("without", AT(diagnosis_without),
+                           "Effects that are known to be absent and not searched for: names of the report, such as "
+                           "[\"forest_drag\"] where there is no forest."));
+    keys.push_back(d.integer("rounds", {1, 100}, AT(diagnosis.rounds),
+                             "Surveys on the way there, of simulations all around, at most."));
 }
 
 }  // namespace

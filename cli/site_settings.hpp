@@ -125,7 +125,8 @@ struct SiteSettings {
     std::vector<EffectSettings> effects;
     ObservedSettings observed;
     CalibrateSettings calibration;
-    DiagnosisSettings diagnosis;  ///< without its seed
+    DiagnosisSettings diagnosis;                 ///< without its seed
+    std::vector<std::string> diagnosis_without;  ///< effects that are known to be absent
 
     std::string output_directory = "out";
     std::int64_t trajectories = 100;     ///< [-]

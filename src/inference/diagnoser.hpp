@@ -5,10 +5,23 @@
 
 #include <Eigen/Cholesky>
 
+#include <algorithm>
+#include <bit>
 #include <span>
 
 namespace scree {
 
+/// Pairs of simulations behind the derivatives with respect to so many parameters: the next power of two.
+inline std::size_t design_size(std::size_t parameters) {
+    return std::bit_ceil(std::max<std::size_t>(parameters, 1));
+}
+
+/// Signs of a folded-over two-level design (Box & Hunter 1961, Technometrics 3:311-351): one run per row, one factor per column; pairs of rows are opposite. From a Hadamard matrix: every
+/// run tells about every factor, so the noise of a derivative is that of all runs together, and curvature cancels.
+Eigen::MatrixXd design_of(std::size_t factors);
+
+/// Share of a derivative's squared length that is taken for noise, at most [-].
+inline constexpr double kMostNoise = 0.5;
 /// A finalist that is no effect: the model itself.
 inline constexpr std::size_t kNoEffect = static_cast<std::size_t>(-1);
 /// One effect, or none, with its parameters, as far as it has been followed.
@@ -37,12 +50,18 @@ private:
                                              std::vector<EffectDose> effects, std::int64_t repeats);
     Eigen::VectorXd within_ranges(Eigen::VectorXd parameters) const;
     /// Simulations that a base takes, and that following one finalist may take.
-    std::size_t of_base() const { return 1 + 2 * problem_.calibrated.size() + variants_.size(); }
-    std::size_t of_finalist() const { return static_cast<std::size_t>(settings_.rounds) + 1; }
+    std::size_t of_base() const { return 1 + 2 * design_size(problem_.calibrated.size()) + variants_.size(); }
+    std::size_t of_finalist() const {
+        return 2 * design_size(problem_.calibrated.size() + 1) * static_cast<std::size_t>(settings_.rounds) + 1;
+    }
     bool build_space(std::span<const Residual> residuals = {});
     bool differentiate();
+    bool differentiate_over(const Eigen::VectorXd& step);
+    Eigen::VectorXd telling_steps(const Eigen::MatrixXd& directions, const Eigen::MatrixXd& covariance,
+                                  const Eigen::MatrixXd& together, const Eigen::VectorXd& noise) const;
     void take_jacobian();
     bool recentre();
+    std::optional<Fingerprint> take_fingerprint(const EffectDose& dose, std::int64_t repeats);
     bool take_fingerprints();
     void judge(Diagnosis& d) const;
     std::size_t fingerprint_of(const EffectFinding& f) const;
@@ -51,14 +70,23 @@ private:
     /// A simulation, and what is measured seen from there.
     struct Point {
         Eigen::VectorXd at;          ///< parameters, then the strength if there is an effect
-        ResidualRows rows;           ///< of the simulation
-        Eigen::MatrixXd covariance;  ///< of rows
+        Eigen::MatrixXd covariance;  ///< of single rows
         ResidualMean observed;
-        double misfit = kInfinity;
-        Eigen::LLT<Eigen::MatrixXd> factor() const {
-            return Eigen::LLT<Eigen::MatrixXd>(mean_covariance(covariance, observed.together));
-        }
     };
+    /// Simulations all around a place, and what is measured seen from there.
+    struct Survey {
+        Eigen::VectorXd at, step;    ///< parameters, then the strength if there is an effect; step in each of them
+        Eigen::MatrixXd directions;  ///< derivatives of the mean residual
+        ResidualRows rows;           ///< of all its simulations
+        Eigen::MatrixXd covariance;  ///< of single rows
+        ResidualMean observed;
+        Eigen::VectorXd left;   ///< what is measured less what is simulated at `at`
+        Eigen::VectorXd noise;  ///< of the derivatives: what it adds to the squared length of each
+    };
+    bool survey(Survey& s, std::size_t fingerprint);
+    Eigen::VectorXd within(Eigen::VectorXd at, std::size_t fingerprint) const;
+    double most_of(std::size_t fingerprint) const;
+    std::vector<EffectDose> dose_of(std::size_t fingerprint, const Eigen::VectorXd& at) const;
     bool look(Point& p, std::size_t fingerprint, std::int64_t repeats);
     std::optional<std::vector<Hypothesis>> strong_finalists();
     bool follow(Hypothesis& h);
@@ -68,8 +96,7 @@ private:
     bool follow_from_given(Diagnosis& d, std::vector<Hypothesis>& followed);
     void weigh(Diagnosis& d, std::vector<Hypothesis>& followed) const;
     void conclude(Diagnosis& d, std::vector<Hypothesis>& followed) const;
-    double goodness_of_fit(const ResidualRows& rows, const Eigen::MatrixXd& covariance,
-                           const Eigen::MatrixXd& directions, const ResidualMean& observed) const;
+    double goodness_of_fit(const Survey& survey) const;
 
     const DiagnosisProblem& problem_;
     const ObservationTable& measured_;
@@ -77,18 +104,20 @@ private:
     const DiagnosisSimulation& simulate_;
     const std::function<void(const DiagnosisProgress&)>& progress_;
     std::vector<EffectDose> variants_;  ///< of all effects, at the reference strength
-    /// Simulations on either side of a model, of one parameter.
-    struct Difference {
-        ObservationTable above, below;
-        double width = 0.0;  ///< [*]
+    /// A simulation near a model, for derivatives.
+    struct Nearby {
+        Eigen::VectorXd parameters;
+        ObservationTable table;
     };
     /// A model without effects, and how it changes with parameters and effects.
     struct Base {
         Eigen::VectorXd parameters;
         std::optional<ResidualSpace> space;
         ResidualMean observed;
-        std::vector<Difference> differences;
+        std::vector<Nearby> nearby;
+        Eigen::VectorXd step;  ///< of the simulations around
         Eigen::MatrixXd jacobian;
+        Eigen::VectorXd noise;          ///< of the jacobian: what it adds to the squared length of each column
         std::optional<ScoreTest> test;  ///< with the fingerprints
     };
     Base base_;

@@ -14,12 +14,13 @@ namespace {
 
 /// Least strength that is followed, as a share of the largest [-].
 constexpr double kLeastStrength = 0.01;
-/// Change of the misfit, minus twice a log-likelihood, that is noise [-].
-constexpr double kSettled = 1.0;
-/// Change of the mean residual, squared and over its covariance, beside which the noise of two simulations is small [-].
-constexpr double kWorthLearning = 4.0;
-/// Share of a fingerprint's length that is taken for noise, at most [-].
-constexpr double kMostNoise = 0.5;
+/// Change of the misfit, minus twice a log-likelihood, that is noise; and how many surveys in a row without a larger one are the end [-].
+constexpr double kSettled = 3.0;
+constexpr int kWithoutBetter = 2;
+/// How far beyond a survey its derivatives are trusted [steps].
+constexpr double kTrust = 4.0;
+/// Step of the strength: z that it makes, share of the strength where that was scanned for, and share of the largest strength at most [-].
+constexpr double kStrengthStep = 1.5, kStrengthShare = 0.2, kMostStrengthStep = 0.25;
 /// Samples of a simulation that its goodness of fit is judged by [-].
 constexpr std::int64_t kFitDraws = 299;
 
@@ -30,18 +31,26 @@ constexpr std::size_t kScanned = 16, kScannedOfOne = 3;
 
 }  // namespace
 
+Eigen::MatrixXd design_of(std::size_t factors) {
+    const auto pairs = static_cast<Eigen::Index>(design_size(factors)), columns = static_cast<Eigen::Index>(factors);
+    Eigen::MatrixXd signs(2 * pairs, columns);
+    for (Eigen::Index i = 0; i < pairs; ++i)
+        for (Eigen::Index k = 0; k < columns; ++k) {
+            const bool minus = std::popcount(static_cast<std::size_t>(i) & static_cast<std::size_t>(k)) % 2 == 1;
+            signs(2 * i, k) = minus ? -1.0 : 1.0;
+            signs(2 * i + 1, k) = -signs(2 * i, k);
+        }
+    return signs;
+}
+
 /// Simulates p.at and sees what is measured in the residual space of that.
 bool Diagnoser::look(Point& p, std::size_t fingerprint, std::int64_t repeats) {
     const Eigen::Index count = base_.parameters.size();
-    std::vector<EffectDose> doses;
-    if (fingerprint != kNoEffect)
-        doses.push_back({variants_[fingerprint].effect, variants_[fingerprint].variant, p.at[count]});
-    auto table = simulate("finalists", p.at.head(count), std::move(doses), repeats);
+    auto table = simulate("finalists", p.at.head(count), dose_of(fingerprint, p.at), repeats);
     if (!table) return false;
     const ResidualSpace space(std::move(*table), measured_, problem_.blocks, settings_.residuals,
                               base_.space->residuals());
-    p.rows = space.of_reference();
-    p.covariance = row_covariance(p.rows);
+    p.covariance = row_covariance(space);
     p.observed = mean_residual(space.of(measured_));
     return true;
 }
@@ -91,106 +100,163 @@ std::optional<std::vector<Hypothesis>> Diagnoser::strong_finalists() {
     return chosen;
 }
 
-/// Gauss-Newton on parameters and strength, with a simulation at every point. Each point has the residual space of its own simulation: far from the
-/// calibrated model, whose probabilities have run into 0 and 1, that still tells by how much. Derivatives are those at the calibrated model and learn
-/// from the way (Broyden 1965); steps that lead to worse are halved. The last simulation has as many repeats as the reference and judges: what is left of the measured
-/// residual there, parameters and strength free.
-bool Diagnoser::follow(Hypothesis& h) {
-    const bool any = h.fingerprint != kNoEffect;
-    const EffectDose variant = any ? variants_[h.fingerprint] : EffectDose{};
-    const double most = any ? problem_.effects[variant.effect].variants[variant.variant].most : 0.0;
-    const Eigen::Index count = base_.parameters.size(), size = count + (any ? 1 : 0);  // the strength is the last
-    Eigen::MatrixXd directions(base_.observed.mean.size(), size);
-    directions.leftCols(count) = base_.jacobian;
-    Eigen::VectorXd prior = Eigen::VectorXd::Zero(size), scale = Eigen::VectorXd::Ones(size),
-                    start = Eigen::VectorXd::Zero(size);
-    prior.head(count) = scale.head(count) = deviation_.array().square().inverse();
-    start.head(count) = base_.parameters;
-    if (any) directions.col(count) = base_.test->fingerprints()[h.fingerprint].change;
-    const auto judge = [&](Point& p) {
-        const Eigen::VectorXd moved = p.at - start;
-        p.misfit = p.observed.mean.dot(p.factor().solve(p.observed.mean)) + moved.dot(prior.cwiseProduct(moved));
-    };
-    const auto look_at = [&](Point& p, std::int64_t repeats) {
-        if (!look(p, h.fingerprint, repeats)) return false;
-        judge(p);
-        return true;
-    };
-    struct Step {
-        Eigen::VectorXd to;
-        double strength_deviation = kNaN, gain = 0.0;
-    };
-    const auto step_from = [&](const Point& p, double share) {
-        const Eigen::MatrixXd WD = p.factor().solve(directions);
-        Eigen::MatrixXd information = directions.transpose() * WD;
-        information.diagonal() += prior;
-        const Eigen::MatrixXd with_noise = information;
-        if (any) {  // the fingerprint's own noise is no information: it would make every step too short
-            const double rows = p.observed.together.diagonal().maxCoeff(),
-                         of = base_.test->fingerprints()[h.fingerprint].rows;
-            information(count, count) -= std::min(static_cast<double>(directions.rows() - count) * rows / of,
-                                                  kMostNoise * information(count, count));
+/// Simulations all around `at`, a step away in every direction; measured and simulated rows are seen in the residual space of all of them. Derivatives by least squares
+/// with a constant: at the end of a range one side is missing.
+bool Diagnoser::survey(Survey& s, std::size_t fingerprint) {
+    const Eigen::Index count = base_.parameters.size();
+    const Eigen::MatrixXd signs = design_of(static_cast<std::size_t>(s.at.size()));
+    Eigen::MatrixXd moved(signs.rows(), s.at.size());
+    ObservationTable all;
+    std::vector<std::size_t> first;
+    for (Eigen::Index run = 0; run < signs.rows(); ++run) {
+        const Eigen::VectorXd at = within(s.at + signs.row(run).transpose().cwiseProduct(s.step), fingerprint);
+        moved.row(run) = at - s.at;
+        auto table = simulate("finalists", at.head(count), dose_of(fingerprint, at), settings_.repeats);
+        if (!table) return false;
+        first.push_back(all.rows());
+        if (run == 0) {
+            all = std::move(*table);
+            continue;
         }
-        const Eigen::VectorXd pull = WD.transpose() * p.observed.mean, moved = p.at - start;
-        Step step;
-        step.to = p.at + share * information.ldlt().solve(pull - prior.cwiseProduct(moved));
-        step.to.head(count) = within_ranges(step.to.head(count));
-        if (any) {
-            step.to[count] = std::clamp(step.to[count], kLeastStrength * most, most);
-            step.strength_deviation = std::sqrt(information.inverse()(count, count));
-        }
-        const Eigen::VectorXd free = information.ldlt().solve(pull);
-        step.gain = 2.0 * pull.dot(free) - free.dot(with_noise * free);
-        return step;
-    };
-
-    Point now{start, base_.space->of_reference(), row_covariance(base_.space->of_reference()), base_.observed,
-              kInfinity};
-    judge(now);
-    if (any && h.strength > 0.0) {
-        const ResidualMean without = now.observed;
-        now.at[count] = h.strength;
-        if (!look_at(now, settings_.repeats)) return false;
-        directions.col(count) = (without.mean - now.observed.mean) / h.strength;
+        all.block.insert(all.block.end(), table->block.begin(), table->block.end());
+        for (std::size_t k = 0; k < all.values.size(); ++k)
+            all.values[k].insert(all.values[k].end(), table->values[k].begin(), table->values[k].end());
     }
-    double share = 1.0;
-    for (int round = 0; round < settings_.rounds; ++round) {
-        const Step step = step_from(now, share);
-        if (round > 0 && step.gain < kSettled) break;
-        Point next;
-        next.at = step.to;
-        if (!look_at(next, settings_.repeats)) return false;
-        const Eigen::VectorXd way = next.at - now.at, foreseen = directions * way, weighed = scale.cwiseProduct(way);
-        if (foreseen.dot(now.factor().solve(foreseen)) > kWorthLearning)
-            directions += (now.observed.mean - next.observed.mean - foreseen) * weighed.transpose() / way.dot(weighed);
-        const double better = now.misfit - next.misfit;
-        if (better > 0.0) now = std::move(next);
-        share = better > 0.0 ? std::min(1.0, 2.0 * share) : 0.5 * share;
-        if (better >= 0.0 && better < kSettled) break;
+    first.push_back(all.rows());
+    const ResidualSpace space(std::move(all), measured_, problem_.blocks, settings_.residuals,
+                              base_.space->residuals());
+    Eigen::MatrixXd means(signs.rows(), space.of_reference().cols());
+    for (Eigen::Index run = 0; run < signs.rows(); ++run) {
+        const auto from = static_cast<Eigen::Index>(first[static_cast<std::size_t>(run)]),
+                   to = static_cast<Eigen::Index>(first[static_cast<std::size_t>(run) + 1]);
+        means.row(run) = mean_residual(space.of_reference().middleRows(from, to - from)).mean;
     }
-    if (any && now.at[count] == 0.0) now.at[count] = kLeastStrength * most;
-    if (!look_at(now, settings_.reference_repeats)) return false;
-    const Step last = step_from(now, 1.0);
-    h.q = now.observed.mean.dot(now.factor().solve(now.observed.mean)) - last.gain;
-    h.parameters = last.to.head(count);
-    h.strength = any ? last.to[count] : 0.0;
-    h.strength_deviation = last.strength_deviation;
-    h.p = goodness_of_fit(now.rows, now.covariance, directions, now.observed);
+    const Eigen::VectorXd centre = moved.colwise().mean(), mean = means.colwise().mean();
+    moved.rowwise() -= centre.transpose();
+    means.rowwise() -= mean.transpose();
+    const Eigen::MatrixXd squares = moved.transpose() * moved;
+    s.directions = squares.ldlt().solve(moved.transpose() * means).transpose();
+    s.rows = space.of_reference();
+    s.covariance = row_covariance(space);
+    s.observed = mean_residual(space.of(measured_));
+    s.left = s.observed.mean - (mean - s.directions * centre);
+    // every column of the derivatives carries the noise of the runs: as many residuals as there are, each with the variance of its rows
+    const double rows = static_cast<double>(space.of_reference().rows()) / static_cast<double>(signs.rows());
+    s.noise = static_cast<double>(means.cols()) * s.observed.together.diagonal().maxCoeff() / rows *
+              squares.diagonal().cwiseMax(1e-12).cwiseInverse();
     return true;
 }
 
-/// How often as many rows of the simulation itself leave as much, with parameters and strength free for them, too.
-double Diagnoser::goodness_of_fit(const ResidualRows& rows, const Eigen::MatrixXd& covariance,
-                                  const Eigen::MatrixXd& directions, const ResidualMean& observed) const {
+/// Parameters within their ranges, the strength within those allowed.
+Eigen::VectorXd Diagnoser::within(Eigen::VectorXd at, std::size_t fingerprint) const {
+    const Eigen::Index count = base_.parameters.size();
+    at.head(count) = within_ranges(at.head(count));
+    if (fingerprint != kNoEffect) at[count] = std::clamp(at[count], 0.0, most_of(fingerprint));
+    return at;
+}
+
+double Diagnoser::most_of(std::size_t fingerprint) const {
+    const EffectDose& v = variants_[fingerprint];
+    return problem_.effects[v.effect].variants[v.variant].most;
+}
+
+std::vector<EffectDose> Diagnoser::dose_of(std::size_t fingerprint, const Eigen::VectorXd& at) const {
+    if (fingerprint == kNoEffect) return {};
+    return {{variants_[fingerprint].effect, variants_[fingerprint].variant, at[base_.parameters.size()]}};
+}
+
+/// Gauss-Newton on parameters and strength. Simulations are noisy, so that no two of them are compared on the way: every step comes from a survey of
+/// simulations all around, in the residual space of these, and is limited to where they reach. What is left of the measured residual there, parameters and
+/// strength free, judges.
+bool Diagnoser::follow(Hypothesis& h) {
+    h.q = kInfinity;
+    const bool any = h.fingerprint != kNoEffect;
+    const Eigen::Index count = base_.parameters.size(), size = count + (any ? 1 : 0);  // the strength is the last
+    Eigen::VectorXd start = Eigen::VectorXd::Zero(size), prior = start;
+    start.head(count) = base_.parameters;
+    prior.head(count) = deviation_.array().square().inverse();
+    Survey s, best;
+    s.at = start;
+    s.step = base_.step;
+    s.directions = base_.jacobian;
+    s.covariance = row_covariance(*base_.space);
+    s.observed = base_.observed;
+    s.left = base_.observed.mean;
+    s.noise = base_.noise;
+    if (any) {
+        const Fingerprint& f = base_.test->fingerprints()[h.fingerprint];
+        const double seen = (*base_.test)(base_.observed).visibility[static_cast<Eigen::Index>(h.fingerprint)],
+                     most = most_of(h.fingerprint);
+        s.step.conservativeResize(size);
+        s.step[count] = std::clamp(std::max(kStrengthStep / std::max(seen, 1e-9), kStrengthShare * h.strength),
+                                   kLeastStrength * most, kMostStrengthStep * most);
+        s.at[count] = h.strength;
+        s.directions.conservativeResize(Eigen::NoChange, size);
+        s.directions.col(count) = f.change;
+        s.noise.conservativeResize(size);
+        s.noise[count] = static_cast<double>(f.change.size()) * s.observed.together.diagonal().maxCoeff() / f.rows;
+    }
+    struct Step {
+        Eigen::VectorXd by;
+        double strength_deviation = kNaN, gain = 0.0;
+    };
+    const auto step_from = [&](const Survey& at) {
+        const Eigen::LLT<Eigen::MatrixXd> factor(mean_covariance(at.covariance, at.observed.together));
+        const Eigen::MatrixXd WD = factor.solve(at.directions);
+        Eigen::MatrixXd information = at.directions.transpose() * WD;
+        information.diagonal() += prior;
+        const Eigen::VectorXd pull = WD.transpose() * at.left;
+        Step step;
+        if (any) step.strength_deviation = std::sqrt(information.inverse()(count, count));
+        const Eigen::VectorXd free = information.ldlt().solve(pull);
+        step.gain = pull.dot(free);
+        // what the simulations hardly tell apart stays where it is
+        information.diagonal() += (kTrust * at.step).array().square().inverse().matrix();
+        step.by = information.ldlt().solve(pull - prior.cwiseProduct(at.at - start));
+        return step;
+    };
+    const auto go = [&](const Step& step) {
+        const Eigen::VectorXd reach = kTrust * s.step;
+        s.at = within(s.at + step.by.cwiseMax(-reach).cwiseMin(reach), h.fingerprint);
+    };
+    if (!(h.strength > 0.0))
+        go(step_from(s));  // from the base, which is known; a strength that was scanned for is far from it
+    int without_better = 0;
+    for (int round = 0; round < settings_.rounds && without_better < kWithoutBetter; ++round) {
+        if (!survey(s, h.fingerprint)) return false;
+        const Step step = step_from(s);
+        const Eigen::LLT<Eigen::MatrixXd> factor(mean_covariance(s.covariance, s.observed.together));
+        const double q = s.left.dot(factor.solve(s.left)) - step.gain;
+        without_better = q < h.q - kSettled ? 0 : without_better + 1;
+        if (q < h.q) {
+            h.q = q;
+            const Eigen::VectorXd to = within(s.at + step.by.cwiseMax(-s.step).cwiseMin(s.step), h.fingerprint);
+            h.parameters = to.head(count);
+            h.strength = any ? std::max(to[count], kLeastStrength * most_of(h.fingerprint)) : 0.0;
+            h.strength_deviation = step.strength_deviation;
+            best = s;
+        }
+        if (step.gain < kSettled) break;
+        go(step);
+        s.step.head(count) = telling_steps(s.directions, s.covariance, s.observed.together, s.noise);
+    }
+    h.p = goodness_of_fit(best);
+    return true;
+}
+
+/// How often as many rows of the simulations themselves leave as much, with parameters and strength free for them, too.
+double Diagnoser::goodness_of_fit(const Survey& survey) const {
     std::vector<Fingerprint> effect;
-    for (Eigen::Index k = deviation_.size(); k < directions.cols(); ++k)
-        effect.push_back({directions.col(k), kInfinity});
-    const ScoreTest own(covariance, directions.leftCols(deviation_.size()), deviation_, std::move(effect));
+    for (Eigen::Index k = deviation_.size(); k < survey.directions.cols(); ++k)
+        effect.push_back({survey.directions.col(k), kInfinity});
+    const ResidualRows& rows = survey.rows;
+    const ScoreTest own(survey.covariance, survey.directions.leftCols(deviation_.size()), deviation_,
+                        std::move(effect));
     auto misfit = [&](const ResidualMean& r) {
         const ScoreResult s = own(r);
         return s.q - s.z.squaredNorm();
     };
-    const double measured = misfit(observed);
+    const double measured = misfit({survey.left, survey.observed.together});
     std::int64_t at_least = 0;
     for (std::int64_t k = 0; k < kFitDraws; ++k) {
         RandomStream random(settings_.seed, static_cast<std::uint64_t>(k), RandomPurpose::Resampling);

@@ -21,9 +21,14 @@ constexpr double kFourOfFive = 0.8416;
 constexpr double kFinalistShare = 0.6;
 /// z to expect at the largest strength allowed, below which an effect is none that could be seen [-].
 constexpr double kLeastVisible = 2.0;
+/// z to expect that a fingerprint is taken at; how many times as strong or weak it is else taken again, how much stronger at once [-], and how often.
+constexpr double kModerate = 6.0, kOtherStrength = 2.0, kMostGrowth = 4.0;
+constexpr int kTakenAgain = 2;
 /// How often the calibrated model is moved to where its residuals ask for [-], and by how much at least, in standard deviations.
 constexpr int kRecentrings = 2;
 constexpr double kLeastMove = 1.5;
+/// Telling steps, in standard deviations of the parameter if all else were known; how many times as long steps are too far [-]; and the shortest, of a range [-].
+constexpr double kTellingStep = 1.5, kFarStep = 2.0, kLeastStep = 0.005;
 /// What another place for the parameters must leave less to be looked at, of Q [-].
 constexpr double kWorthMoving = 8.0;
 
@@ -81,37 +86,63 @@ bool Diagnoser::build_space(std::span<const Residual> residuals) {
     return true;
 }
 
-/// Central differences, one-sided at the end of a range.
+/// Simulations around the model, for derivatives; again, nearer, where the steps turn out to be long for what the measurements can tell.
 bool Diagnoser::differentiate() {
-    for (Eigen::Index k = 0; k < base_.parameters.size(); ++k) {
-        const auto j = static_cast<std::size_t>(k);
-        Eigen::VectorXd up = base_.parameters, down = base_.parameters;
-        up[k] = std::min(base_.parameters[k] + problem_.step[j], problem_.high[j]);
-        down[k] = std::max(base_.parameters[k] - problem_.step[j], problem_.low[j]);
-        auto above = simulate("derivatives", up, {}, settings_.repeats);
-        auto below = above ? simulate("derivatives", down, {}, settings_.repeats) : std::nullopt;
-        if (!below) return false;
-        base_.differences.push_back({std::move(*above), std::move(*below), up[k] - down[k]});
+    base_.step = to_vector(problem_.step);
+    if (!differentiate_over(base_.step)) return false;
+    const Eigen::VectorXd telling =
+        telling_steps(base_.jacobian, row_covariance(*base_.space), base_.observed.together, base_.noise);
+    const bool far = (base_.step.array() > kFarStep * telling.array()).any();
+    base_.step = telling;
+    return !far || differentiate_over(telling);
+}
+
+bool Diagnoser::differentiate_over(const Eigen::VectorXd& step) {
+    const Eigen::MatrixXd signs = design_of(problem_.step.size());
+    base_.nearby.clear();
+    for (Eigen::Index run = 0; run < signs.rows(); ++run) {
+        Eigen::VectorXd at = within_ranges(base_.parameters + signs.row(run).transpose().cwiseProduct(step));
+        auto table = simulate("derivatives", at, {}, settings_.repeats);
+        if (!table) return false;
+        base_.nearby.push_back({std::move(at), std::move(*table)});
     }
     take_jacobian();
     return true;
 }
 
-/// The derivatives in the residual space of the reference.
+/// The derivatives in the residual space of the reference: least squares with a constant, because at the end of a range one side is missing.
 void Diagnoser::take_jacobian() {
-    base_.jacobian.resize(base_.observed.mean.size(), base_.parameters.size());
-    for (Eigen::Index k = 0; k < base_.parameters.size(); ++k) {
-        const Difference& d = base_.differences[static_cast<std::size_t>(k)];
-        base_.jacobian.col(k) =
-            (mean_residual(base_.space->of(d.above)).mean - mean_residual(base_.space->of(d.below)).mean) / d.width;
+    const auto runs = static_cast<Eigen::Index>(base_.nearby.size());
+    Eigen::MatrixXd moved(runs, base_.parameters.size()), means(runs, base_.observed.mean.size());
+    for (Eigen::Index k = 0; k < runs; ++k) {
+        const Nearby& n = base_.nearby[static_cast<std::size_t>(k)];
+        moved.row(k) = n.parameters;
+        means.row(k) = mean_residual(base_.space->of(n.table)).mean;
     }
+    moved.rowwise() -= moved.colwise().mean().eval();
+    means.rowwise() -= means.colwise().mean().eval();
+    const Eigen::MatrixXd squares = moved.transpose() * moved;
+    base_.jacobian = squares.ldlt().solve(moved.transpose() * means).transpose();
+    base_.noise = static_cast<double>(means.cols()) / static_cast<double>(settings_.repeats) *
+                  squares.diagonal().cwiseMax(1e-12).cwiseInverse();
+}
+
+/// Steps of parameters by which a measured test of this size would tell two models apart, if all else were known.
+Eigen::VectorXd Diagnoser::telling_steps(const Eigen::MatrixXd& directions, const Eigen::MatrixXd& covariance,
+                                         const Eigen::MatrixXd& together, const Eigen::VectorXd& noise) const {
+    const Eigen::Index count = base_.parameters.size();
+    const Eigen::MatrixXd J = directions.leftCols(count);
+    const Eigen::VectorXd squared =
+        J.cwiseProduct(Eigen::LLT<Eigen::MatrixXd>(mean_covariance(covariance, together)).solve(J)).colwise().sum();
+    const Eigen::ArrayXd information = (squared - noise.head(count)).cwiseMax((1.0 - kMostNoise) * squared).array();
+    return (kTellingStep / information.max(1e-24).sqrt()).min(to_vector(problem_.step).array()).max(kLeastStep);
 }
 
 /// Calibrated parameters minimise another loss than the test weighs by, and the test is linear in them: it begins where its own weights put the
 /// parameters, as long as that leaves less.
 bool Diagnoser::recentre() {
     for (int round = 0; round < kRecentrings; ++round) {
-        const ScoreTest test(row_covariance(base_.space->of_reference()), base_.jacobian, deviation_, {});
+        const ScoreTest test(row_covariance(*base_.space), base_.jacobian, deviation_, {});
         const ScoreResult score = test(base_.observed);
         const Eigen::VectorXd before = base_.parameters;
         if (!((score.shift.array() / score.shift_deviation.array()).abs().maxCoeff() > kLeastMove)) return true;
@@ -122,7 +153,7 @@ bool Diagnoser::recentre() {
         base_.parameters = within_ranges(base_.parameters + score.shift);
         if (!build_space()) return false;
         take_jacobian();
-        const ScoreTest moved(row_covariance(base_.space->of_reference()), base_.jacobian, deviation_, {});
+        const ScoreTest moved(row_covariance(*base_.space), base_.jacobian, deviation_, {});
         if (moved(base_.observed).q < score.q) continue;
         base_.parameters = before;
         base_.space.swap(kept);
@@ -133,15 +164,36 @@ bool Diagnoser::recentre() {
     return true;
 }
 
+/// In units of the reference strength, whatever strength it is simulated at.
+std::optional<Fingerprint> Diagnoser::take_fingerprint(const EffectDose& dose, std::int64_t repeats) {
+    const auto table = simulate("fingerprints", base_.parameters, {dose}, repeats);
+    if (!table) return std::nullopt;
+    return Fingerprint{mean_residual(base_.space->of(*table)).mean / dose.strength,
+                       static_cast<double>(table->rows()) * dose.strength * dose.strength};
+}
+
+/// Every effect is looked at where it would stand out clearly but not by far: weaker, the noise of the simulation hides what it does; stronger, what it does is not
+/// proportional to its strength, least of all where probabilities have run into 0 and 1.
 bool Diagnoser::take_fingerprints() {
+    const Eigen::MatrixXd covariance = row_covariance(*base_.space);
     std::vector<Fingerprint> fingerprints;
     for (const EffectDose& v : variants_) {
-        const auto table = simulate("fingerprints", base_.parameters, {v}, settings_.repeats);
-        if (!table) return false;
-        fingerprints.push_back({mean_residual(base_.space->of(*table)).mean, static_cast<double>(table->rows())});
+        const double most = most_of(fingerprints.size());
+        EffectDose dose = v;
+        dose.strength = std::min(dose.strength, most);
+        auto fingerprint = take_fingerprint(dose, settings_.repeats);
+        for (int again = 0; fingerprint && again < kTakenAgain; ++again) {
+            const double seen =
+                ScoreTest(covariance, base_.jacobian, deviation_, {*fingerprint})(base_.observed).visibility[0];
+            const double better = std::min(kModerate / std::max(seen, 1e-9), most), factor = better / dose.strength;
+            if (factor > 1.0 / kOtherStrength && factor < kOtherStrength) break;
+            dose.strength *= std::min(factor, kMostGrowth);
+            fingerprint = take_fingerprint(dose, 2 * settings_.repeats);
+        }
+        if (!fingerprint) return false;
+        fingerprints.push_back(std::move(*fingerprint));
     }
-    base_.test.emplace(row_covariance(base_.space->of_reference()), base_.jacobian, deviation_,
-                       std::move(fingerprints));
+    base_.test.emplace(covariance, base_.jacobian, deviation_, std::move(fingerprints));
     const ScoreResult score = (*base_.test)(base_.observed);
     for (std::size_t k = 0; k < variants_.size(); ++k) {
         const double most = problem_.effects[variants_[k].effect].variants[variants_[k].variant].most;
@@ -191,7 +243,7 @@ std::vector<EffectFinding> Diagnoser::findings(const ScoreResult& score, double 
                 return seen_a != seen_b ? seen_a : score.z[a] > score.z[b];
             };
             if (at < 0 || better(i, at)) at = i;
-            const double strength = (z_limit + kFourOfFive) / std::max(score.visibility[i], 1e-9);
+            const double strength = (z_limit + kFourOfFive) / std::max(score.expected[i], 1e-9);
             const double most = problem_.effects[e].variants[variants_[k].variant].most;
             if (strength <= most && strength / most < seen) {  // in shares of what is allowed
                 seen = strength / most;

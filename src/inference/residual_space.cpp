@@ -20,6 +20,11 @@ constexpr double kPassedScale = 0.5, kWindowScale = 0.3;
 /// Neighbours are the nearest of so many times as many in speed [-].
 constexpr std::size_t kPoolShare = 4;
 
+/// What a block does along the whole of its path.
+bool is_course(Quantity q) {
+    return q == Quantity::Along || q == Quantity::Speed;
+}
+
 bool is_level(Quantity q) {
     return q != Quantity::Passed && q != Quantity::InZone && q != Quantity::Energy && q != Quantity::Runout;
 }
@@ -91,6 +96,14 @@ ResidualSpace::ResidualSpace(ObservationTable reference, const ObservationTable&
         mean_[k] = count > 0 ? sum / static_cast<double>(count) : 0.0;
         own_.col(k).array() -= mean_[k];
     }
+    least_variance_ = Eigen::VectorXd::Zero(own_.cols());
+    for (std::size_t k = 0; k < residuals_.size(); ++k) {
+        const ResidualKind kind = residuals_[k].kind;
+        if (kind != ResidualKind::Passed && kind != ResidualKind::Window) continue;
+        const double scale = kind == ResidualKind::Passed ? kPassedScale : kWindowScale;
+        const auto n = static_cast<double>(std::max<std::size_t>(measured.rows(), 1));
+        least_variance_[static_cast<Eigen::Index>(k)] = 1.0 / (n * scale * scale);
+    }
 }
 
 /// Unknown blocks are one stratum, the first.
@@ -113,13 +126,14 @@ void ResidualSpace::choose(const ObservationTable& measured, const ResidualSetti
         wanted.push_back({ResidualKind::Spread, c, {}, kNaN, kNaN});
         if (!log_mass_.empty()) wanted.push_back({ResidualKind::MassTrend, c, {}, kNaN, kNaN});
         if (!log_shape_.empty()) wanted.push_back({ResidualKind::ShapeTrend, c, {}, kNaN, kNaN});
-        if (!order_.empty()) wanted.push_back({ResidualKind::OrderTrend, c, {}, kNaN, kNaN});
+        if (!order_.empty() && (c.quantity == Quantity::Along || c.quantity == Quantity::Speed))
+            wanted.push_back({ResidualKind::OrderTrend, c, {}, kNaN, kNaN});
     }
     for (std::size_t a = 0; a < levels.size(); ++a)
         for (std::size_t b = a + 1; b < levels.size(); ++b)
             if (levels[a].quantity != Quantity::Lateral && levels[b].quantity != Quantity::Lateral &&
-                (levels[a].place == levels[b].place || levels[a].quantity == Quantity::Speed ||
-                 levels[a].quantity == Quantity::Along))
+                (levels[a].place == levels[b].place ||
+                 (is_course(levels[a].quantity) && is_course(levels[b].quantity))))
                 wanted.push_back({ResidualKind::Together, levels[a], levels[b], kNaN, kNaN});
     // from screen to screen and on to the stop
     for (std::size_t s = 0; s < screens.size(); ++s) {

@@ -29,13 +29,14 @@ ResidualMean mean_residual(const ResidualRows& rows) {
     return m;
 }
 
-Eigen::MatrixXd row_covariance(const ResidualRows& rows) {
+Eigen::MatrixXd row_covariance(const ResidualRows& rows, const Eigen::VectorXd& least_variance) {
     const ResidualMean m = mean_residual(rows);
     const Eigen::MatrixXd known = rows.array().isFinite().cast<double>();
     Eigen::MatrixXd centred = rows;
     centred.rowwise() -= m.mean.transpose();
     centred = rows.array().isFinite().select(centred.array(), 0.0);
     Eigen::MatrixXd covariance = (centred.transpose() * centred).array() / m.together.array().max(1.0);
+    covariance.diagonal() = covariance.diagonal().cwiseMax(least_variance);
     // as correlations, with the smallest eigenvalues raised: pairs of different rows need not fit each other
     const Eigen::ArrayXd deviation = covariance.diagonal().array().max(1e-12).sqrt();
     const Eigen::MatrixXd correlation =
@@ -44,6 +45,10 @@ Eigen::MatrixXd row_covariance(const ResidualRows& rows) {
     const Eigen::VectorXd values = eigen.eigenvalues().cwiseMax(kLeastEigenvalue * eigen.eigenvalues().maxCoeff());
     covariance = eigen.eigenvectors() * values.asDiagonal() * eigen.eigenvectors().transpose();
     return deviation.matrix().asDiagonal() * covariance * deviation.matrix().asDiagonal();
+}
+
+Eigen::MatrixXd row_covariance(const ResidualSpace& space) {
+    return row_covariance(space.of_reference(), space.least_variance());
 }
 
 Eigen::MatrixXd mean_covariance(const Eigen::MatrixXd& of_rows, const Eigen::MatrixXd& together) {
@@ -91,6 +96,7 @@ ScoreResult ScoreTest::operator()(const ResidualMean& r) const {
     const auto count = static_cast<Eigen::Index>(fingerprints_.size());
     result.z.resize(count);
     result.visibility.resize(count);
+    result.expected.resize(count);
     const double n = r.together.diagonal().maxCoeff(), trace = p.P.cwiseProduct(p.S).sum();  // of P S: symmetric both
     const Eigen::VectorXd squared = changes_.cwiseProduct(p.P * changes_).colwise().sum(),
                           product = changes_.transpose() * Pr;
@@ -99,6 +105,7 @@ ScoreResult ScoreTest::operator()(const ResidualMean& r) const {
         const double noise = trace * n / fingerprints_[static_cast<std::size_t>(k)].rows;
         result.z[k] = squared[k] > 0.0 ? product[k] / std::sqrt(squared[k]) : 0.0;
         result.visibility[k] = std::sqrt(std::max(squared[k] - noise, 0.0));
+        result.expected[k] = squared[k] > noise ? (squared[k] - noise) / std::sqrt(squared[k]) : 0.0;
     }
     // residuals after recalibration: (I - J gain) r, with covariance (I - J gain) S (I - J gain)^T
     const Eigen::MatrixXd left = Eigen::MatrixXd::Identity(p.S.rows(), p.S.cols()) - jacobian_ * p.gain;
@@ -193,19 +200,19 @@ GlobalTest global_test(const ScoreTest& test, const ScoreResult& measured, const
     GlobalTest g;
     g.p_q = share_at_least(sorted_q, measured.q);
     g.p_z = any ? share_at_least(sorted_z, test.largest_z(measured)) : 1.0;
-    const double smaller = std::min(g.p_q, g.p_z);
-    std::int64_t as_small = 0;
+    std::vector<double> smaller;
     for (std::size_t k = 0; k < q.size(); ++k)
-        if (std::min(share_at_least(sorted_q, q[k]), any ? share_at_least(sorted_z, z[k]) : 1.0) <= smaller) ++as_small;
-    g.p = static_cast<double>(as_small + 1) / static_cast<double>(draws + 1);
-    const auto at = [&](const std::vector<double>& sorted) {
-        return sorted.empty()
-                   ? kNaN
-                   : sorted[std::min(sorted.size() - 1,
-                                     static_cast<std::size_t>((1.0 - level) * static_cast<double>(sorted.size())))];
+        smaller.push_back(std::min(share_at_least(sorted_q, q[k]), any ? share_at_least(sorted_z, z[k]) : 1.0));
+    std::sort(smaller.begin(), smaller.end());
+    const auto as_small = std::upper_bound(smaller.begin(), smaller.end(), std::min(g.p_q, g.p_z)) - smaller.begin();
+    g.p = (static_cast<double>(as_small) + 1.0) / (static_cast<double>(draws) + 1.0);
+    const auto at = [](const std::vector<double>& sorted, double share) {
+        const auto n = static_cast<double>(sorted.size());
+        return sorted.empty() ? kNaN
+                              : sorted[std::min(sorted.size() - 1, static_cast<std::size_t>(std::max(share, 0.0) * n))];
     };
-    g.z_limit = at(sorted_z);
-    g.residual_limit = at(largest);
+    g.z_limit = at(sorted_z, 1.0 - at(smaller, level));
+    g.residual_limit = at(largest, 1.0 - level);
     g.residual_p.resize(measured.standardised.size());
     for (Eigen::Index k = 0; k < g.residual_p.size(); ++k)
         g.residual_p[k] = share_at_least(largest, std::abs(measured.standardised[k]));

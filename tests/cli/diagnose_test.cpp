@@ -151,7 +151,8 @@ TEST(Diagnose, StopsAtMeasurementsThatCannotBe) {
 TEST(Diagnose, PlansATestBeforeAnythingIsMeasured) {
     const TempDir folder;
     const fs::path few = folder / "few", more = folder / "more";
-    ASSERT_EQ(diagnose(few, {"--plan", "--set", "release.count=12"}).code, 0);
+    ASSERT_EQ(diagnose(few, {"--plan", "--set", "release.count=12", "--set", "diagnosis.without=[\"roughness\"]"}).code,
+              0);
     const Outcome run =
         diagnose(more, {"--plan", "--instruments", "stops,speed,height,spin", "--set", "release.count=20"});
     ASSERT_EQ(run.code, 0) << run.err;
@@ -166,6 +167,9 @@ TEST(Diagnose, PlansATestBeforeAnythingIsMeasured) {
     EXPECT_GT(visibility(more, "speed_error"), 2.0);
     EXPECT_EQ(visibility(few, "height_datum"), -1.0) << "no heights, no datum";
     EXPECT_GE(visibility(more, "height_datum"), 0.0);
+    EXPECT_EQ(visibility(few, "roughness"), -1.0) << "said to be absent";
+    EXPECT_GE(visibility(more, "roughness"), 0.0);
+    EXPECT_THAT(text_of(few / "diagnosis.json"), HasSubstr("roughness: said to be absent"));
 }
 
 TEST(Diagnose, RefusesInOneSentence) {
@@ -176,6 +180,10 @@ TEST(Diagnose, RefusesInOneSentence) {
     const Outcome instrument = diagnose(folder / "out", {"--plan", "--instruments", "stops,smell"});
     EXPECT_EQ(instrument.code, 3);
     EXPECT_THAT(instrument.err, HasSubstr("knows no \"smell\""));
+    const Outcome absent =
+        diagnose(folder / "out", {"--plan", "--set", "release.count=2", "--set", "diagnosis.without=[\"snow\"]"});
+    EXPECT_EQ(absent.code, 3);
+    EXPECT_THAT(absent.err, HasSubstr("diagnosis.without: \"snow\" is no effect that is searched for; there are"));
     fs::create_directories(folder / "out.journal");
     put(folder / "out.journal" / "x.table", "");
     const Outcome left = diagnose(folder / "out", {"--plan", "--set", "release.count=2"});

@@ -70,7 +70,7 @@ struct DiagnosisSettings {
     std::int64_t draws = 999;   ///< of chance [-]
     double level = 0.05;        ///< share of models without a flaw that are rejected [-]
     std::size_t finalists = 6;  ///< effects that are simulated at their best strength [-]
-    int rounds = 15;            ///< of that, at most: it ends where it has settled [-]
+    int rounds = 6;             ///< surveys on the way there, at most: it ends where it has settled [-]
     double prior_none = 0.5;    ///< weight of the calibrated model before the data; the effects share the rest [-]
     double named = 0.95;        ///< weight at which one name is said; less says groups [-]
     double group = 0.95;        ///< weight that a group has to reach [-]

@@ -41,7 +41,7 @@ struct Residual {
 
 struct ResidualSettings {
     std::size_t windows =
-        10;  ///< stretches of the path with equal shares of the simulated stops; more of them find sharper peaks with less power [-]
+        6;  ///< stretches of the path with equal shares of the simulated stops; more of them find sharper peaks with less power [-]
     std::size_t neighbours = 60;  ///< simulated blocks in a like state, for innovations [-]
     std::uint64_t seed = 1;       ///< of ties
 };
@@ -68,6 +68,10 @@ public:
     /// Residuals of the reference's own rows, each among the others.
     const ResidualRows& of_reference() const { return own_; }
     const ObservationTable& reference() const { return reference_; }
+    /// Least variance of single rows, per residual, in the covariance of a test: a share that the reference sees hardly ever otherwise (all blocks pass a
+    /// screen) has its variance from a handful of rows or from none, and whoever weighs by it hears of nothing else. One of the n measured blocks more or
+    /// less is no news: the variance of a share counts as 1/n at least [-].
+    const Eigen::VectorXd& least_variance() const { return least_variance_; }
 
 private:
     void choose(const ObservationTable& measured, const ResidualSettings& settings,
@@ -95,6 +99,7 @@ private:
     std::vector<ByState> states_;
     std::vector<Residual> residuals_;
     Eigen::VectorXd mean_;  ///< of the raw residuals of the reference
+    Eigen::VectorXd least_variance_;
     ResidualRows own_;
 };
 

@@ -28,7 +28,9 @@ struct ResidualMean {
 ResidualMean mean_residual(const ResidualRows& rows);
 
 /// Covariance of single rows, from pairs that are known; made positive definite by a share of its diagonal.
-Eigen::MatrixXd row_covariance(const ResidualRows& rows);
+Eigen::MatrixXd row_covariance(const ResidualRows& rows, const Eigen::VectorXd& least_variance);
+/// Of the reference's rows.
+Eigen::MatrixXd row_covariance(const ResidualSpace& space);
 /// Covariance of the mean over rows with these counts: C_cd n_cd / (n_c n_d).
 Eigen::MatrixXd mean_covariance(const Eigen::MatrixXd& of_rows, const Eigen::MatrixXd& together);
 
@@ -44,6 +46,7 @@ struct ScoreResult {
     double q = kNaN;                  ///< Q [-]
     Eigen::VectorXd z;                ///< of each fingerprint [-]
     Eigen::VectorXd visibility;       ///< d of each fingerprint, less what noise adds [-]
+    Eigen::VectorXd expected;         ///< z to expect at the reference strength: d less what the noise of the fingerprint takes away [-]
     Eigen::VectorXd standardised;     ///< residuals after recalibration, each over its standard deviation [-]
     Eigen::VectorXd shift;            ///< change of the parameters that a recalibration would make [*]
     Eigen::VectorXd shift_deviation;  ///< standard deviation of the parameters after it [*]
@@ -99,7 +102,7 @@ struct GlobalTest {
     double p = 1.0;         ///< of the smaller of the two below, with the price of looking twice [-]
     double p_q = 1.0;       ///< of Q: any disagreement [-]
     double p_z = 1.0;       ///< of the largest z: one that an effect explains [-]
-    double z_limit = kNaN;  ///< largest z that chance exceeds in `level` of the cases [-]
+    double z_limit = kNaN;  ///< largest z that rejects at `level` whatever Q is [-]
     Eigen::VectorXd
         residual_p;  ///< of each standardised residual, corrected for the number of them (max-T: Westfall & Young 1993) [-]
     double residual_limit = kNaN;  ///< largest standardised residual that chance exceeds in `level` of the cases [-]

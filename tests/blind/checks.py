@@ -1,0 +1,100 @@
+#!/usr/bin/python3
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Checks on blind cases that `scree diagnose` does not live on what it should not know. Run after find.py; opens the sealed truths.
+
+Usage: checks.py SCREE FOLDER [--cases N] [--parallel N]
+
+For up to N cases each:
+  mixed    blocks' numbers are mixed up in the measurements: no effect of mass may be named (restitution_mass, rolling_size)
+  shuffled rows in another order, other times of the files, another folder: the same diagnosis
+  without  the effect that was rightly named is said to be absent: no other may be named
+"""
+import argparse
+import csv
+import json
+import os
+import random
+import shutil
+import subprocess
+import sys
+import tempfile
+from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
+
+from find import BUDGET
+
+OF_MASS = {"restitution_mass", "rolling_size"}
+
+
+def said(diagnosis):
+    """All of it but the hashes of the files."""
+    return {key: value for key, value in diagnosis.items() if key != "inputs"}
+
+
+def diagnose(args, case, change=None, sets=()):
+    """The diagnosis of a copy of the case with `change` done to the rows of each of its tables."""
+    with tempfile.TemporaryDirectory() as name:
+        folder = Path(name) / "another"
+        shutil.copytree(case, folder)
+        site = folder / "site.toml"
+        site.write_text(site.read_text().replace("../../sites", str(args.folder.resolve() / "sites")))
+        for table in sorted((folder / "observed").iterdir()):
+            with open(table, newline="", encoding="utf-8") as file:
+                header, *rows = csv.reader(file)
+            if change:
+                change(header, rows, random.Random(table.name))
+            with open(table, "w", newline="", encoding="utf-8") as file:
+                csv.writer(file, lineterminator="\n").writerows([header, *rows])
+            os.utime(table, (1e9, 1e9))
+        line = [args.scree, "diagnose", str(site), "--observed", str(folder / "observed"), "--output", f"{name}/out", "--threads", "1", "--quiet"]
+        for key in [*BUDGET, *sets]:
+            line += ["--set", key]
+        done = subprocess.run(line, capture_output=True, text=True)
+        if done.returncode:
+            sys.exit(f"{case}: {done.stderr}")
+        return said(json.loads((Path(name) / "out" / "diagnosis.json").read_text()))
+
+
+def mix(header, rows, chance):
+    """The same mix-up in all tables: a block is taken for another."""
+    at = header.index("block_id")
+    names = sorted({row[at] for row in rows})
+    mixed = names[:]
+    random.Random(1).shuffle(mixed)
+    for row in rows:
+        row[at] = dict(zip(names, mixed))[row[at]]
+
+
+def names(found):
+    return {a["effect"] for a in found["answer"]} if found["verdict"] in ("NAMED", "DATA PROBLEM") else set()
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("scree", help="the program")
+    parser.add_argument("folder", type=Path)
+    parser.add_argument("--cases", type=int, default=10, help="of each check (default 10)")
+    parser.add_argument("--parallel", type=int, default=2)
+    args = parser.parse_args()
+    mixed, shuffled, without = [], [], []
+    for file in sorted((args.folder / "found").glob("*.json")):
+        found, truth = json.loads(file.read_text()), json.loads((args.folder / "sealed" / file.name).read_text())
+        case = args.folder / "cases" / file.stem
+        if truth["ids"]:
+            shuffled.append((case, found))
+            if {n for h in truth["hidden"] for n in h["families"]} & OF_MASS:
+                mixed.append(case)
+        right = [n for n in names(found) if any(n in h["families"] for h in truth["hidden"])]
+        if truth["tier"] in (0, 1) and right:
+            without.append((case, right))
+    with ThreadPoolExecutor(args.parallel) as pool:
+        answers = list(pool.map(lambda case: names(diagnose(args, case, mix)), mixed[:args.cases]))
+        print(f"mixed: an effect of mass is named in {sum(bool(s & OF_MASS) for s in answers)} of {len(answers)}", flush=True)
+        same = list(pool.map(lambda job: diagnose(args, job[0], lambda h, rows, chance: chance.shuffle(rows)) == said(job[1]), shuffled[:args.cases]))
+        print(f"shuffled: the same diagnosis in {sum(same)} of {len(same)}", flush=True)
+        answers = list(pool.map(lambda job: names(diagnose(args, job[0], None, [f"diagnosis.without={json.dumps(job[1])}"])), without[:args.cases]))
+        print(f"without: another effect is named in {sum(map(bool, answers))} of {len(answers)}", flush=True)
+
+
+if __name__ == "__main__":
+    main()
