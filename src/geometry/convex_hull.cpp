@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The only file of the core that includes CGAL: it is built with CGAL's -frounding-math, nothing else is.
+#include "geometry/plain_hull.hpp"
+
 #include "scree/base/error.hpp"
 #include "scree/geometry/convex_block.hpp"
 
@@ -41,18 +43,12 @@ void put_in_order(ConvexHull& hull) {
     std::sort(hull.facets.begin(), hull.facets.end());
 }
 
-}  // namespace
-
-ConvexHull convex_hull(const std::vector<Vec3>& points) {
+ConvexHull exact_hull(const std::vector<Vec3>& points) {
     using Kernel = CGAL::Exact_predicates_inexact_constructions_kernel;
     using Mesh = CGAL::Surface_mesh<Kernel::Point_3>;
     std::vector<Kernel::Point_3> input;
     input.reserve(points.size());
-    for (const Vec3& p : points) {
-        if (!p.allFinite())
-            throw InputError("a block shape has a point that is not finite: every coordinate must be a number");
-        input.emplace_back(p.x(), p.y(), p.z());
-    }
+    for (const Vec3& p : points) input.emplace_back(p.x(), p.y(), p.z());
     std::sort(input.begin(), input.end());  // how CGAL cuts a face of more than three corners depends on their order
     Mesh mesh;
     if (input.size() >= 4) CGAL::convex_hull_3(input.begin(), input.end(), mesh);
@@ -74,6 +70,17 @@ ConvexHull convex_hull(const std::vector<Vec3>& points) {
         for (std::size_t k = 2; k < corners.size(); ++k)
             hull.facets.push_back({corners[0], corners[k - 1], corners[k]});
     }
+    return hull;
+}
+
+}  // namespace
+
+// Exact predicates cost ten times as much and are needed only where plain ones leave a doubt.
+ConvexHull convex_hull(const std::vector<Vec3>& points) {
+    if (!std::all_of(points.begin(), points.end(), [](const Vec3& p) { return p.allFinite(); }))
+        throw InputError("a block shape has a point that is not finite: every coordinate must be a number");
+    std::optional<ConvexHull> plain = plain_hull(points);
+    ConvexHull hull = plain ? std::move(*plain) : exact_hull(points);
     put_in_order(hull);
     return hull;
 }
