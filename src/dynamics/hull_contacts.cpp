@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "dynamics/hull_contacts.hpp"
 
+#include "dynamics/arrival.hpp"
 #include "geometry/hull_kernels.hpp"
 
 #include <algorithm>
@@ -30,9 +31,8 @@ constexpr double kLongestFlight = 0.25;
 constexpr double kFarHorizon = 0.5, kNearHorizon = 0.02;
 /// A flight time over the plane that is shorter than this makes it worth looking at the features [s].
 constexpr double kNearTime = 2e-3;
-/// How far features are looked for: what the fastest point of the block covers in this time [s], and a share of the block's thickness at most [-].
-/// Shorter where the last look found something near: mostly that is what the block will touch.
-constexpr double kLongestLook = 0.02, kShortestLook = 2e-3, kLookShare = 0.7;
+/// How far ahead features are looked for [s], four times as far as the last look found the block free: what lies farther costs and is seldom met.
+constexpr double kLongestLook = 0.05, kShortestLook = 4e-3;
 /// A block in flight has the terrain of so much time copied out at once [s], two radii at most.
 constexpr double kPatchTime = 0.1;
 /// Where terrain has holes or ends, share of the radius that is flown at most between two looks [-].
@@ -42,23 +42,10 @@ constexpr double kRimShare = 0.25;
 /// (2 + 4/sqrt 3) |Omega|^3 r [-].
 constexpr double kTurningBound = 1.57735026918962576, kJerkBound = 4.30940107675850306;
 
-/// When gap + rate t - acceleration/2 t^2 reaches zero [s], infinite if never; gap positive.
-double arrival(double gap, double rate, double acceleration) {
-    const double root = rate * rate + 2.0 * acceleration * gap;
-    if (root < 0.0) return kInfinity;
-    const double fall = std::sqrt(root) - rate;
-    return fall > 0.0 ? 2.0 * gap / fall : kInfinity;
-}
-
-/// Lower bound of the same with an acceleration that is at most acceleration + jerk t, and at most `most`: what it can be up to a time counts as
-/// constant up to that time, for two guesses of the time. No longer time is asked for than the horizon.
-double arrival(double gap, double rate, double acceleration, double jerk, double most, double horizon) {
-    double guess = std::min(arrival(gap, rate, acceleration), horizon), time = 0.0;
-    for (int k = 0; k < 2; ++k) {
-        time = std::max(time, std::min(guess, arrival(gap, rate, std::min(acceleration + jerk * guess, most))));
-        guess = std::min(guess, arrival(gap, rate, acceleration + jerk * time));
-    }
-    return time;
+/// The plane through a point of the terrain that faces a place.
+SupportingPlane plane_facing(const Vec3& place, const Vec3& point) {
+    const Vec3 normal = (place - point).normalized();
+    return {normal, normal.dot(point), true};
 }
 
 }  // namespace
@@ -69,7 +56,9 @@ HullContacts::HullContacts(const ConvexBlock& block, const Surface& surface, boo
       vertices_only_(vertices_only),
       least_passed_by_(passed_by),
       vertex_free_until_(block.x.size()),
+      near_vertices_(static_cast<std::size_t>(block.x.size())),
       height_(block.x.size()),
+      height_over_feature_(block.x.size()),
       face_value_(block.nx.size()),
       face_slope_(block.nx.size()) {}
 
@@ -85,12 +74,24 @@ void HullContacts::cover(const Vec3& position, double reach, const Vec2& way) {
     covered_ = true;
     node_free_until_.assign(patch_.nodes.size(), -kInfinity);
     edge_free_until_.assign(patch_.edges.size(), -kInfinity);
+    const double level = patch_.least_normal_z;
+    steepest_slope_ = std::sqrt(std::max(0.0, 1.0 - level * level)) / level;
+    edge_apart_.assign(patch_.edges.size(), SupportingPlane{Vec3::Zero(), kInfinity, false});
     vertex_free_until_.setConstant(-kInfinity);
     node_height_.clear();
     edge_height_.clear();
+    edge_per_square_.clear();
     for (const PatchNode& n : patch_.nodes) node_height_.push_back(patch_.plane.height(n.position));
-    for (const PatchEdge& e : patch_.edges)
+    for (const PatchEdge& e : patch_.edges) {
         edge_height_.push_back(std::max(patch_.plane.height(e.a), patch_.plane.height(e.b)));
+        edge_per_square_.push_back(1.0 / (e.b - e.a).squaredNorm());
+    }
+}
+
+/// Where along a crest the point is that is nearest to a place: 0 to 1.
+double HullContacts::nearest_share(std::size_t crest, const Vec3& place) const {
+    const PatchEdge& edge = patch_.edges[crest];
+    return std::clamp((edge.b - edge.a).dot(place - edge.a) * edge_per_square_[crest], 0.0, 1.0);
 }
 
 bool HullContacts::over_terrain(const Vec3& position) {
@@ -121,10 +122,12 @@ double HullContacts::free_time(const BlockState<3>& s, double spin_bound, double
                                double& gap) {
     gap = kInfinity;
     const Mat3 rotation = s.orientation.toRotationMatrix();
-    const Vec3 torque = block_.inertia.cwiseProduct(s.spin).cross(s.spin);
+    const Vec3 spin_change = block_.inertia.cwiseProduct(s.spin).cross(s.spin).cwiseQuotient(block_.inertia);
     const Flight flight{s.velocity,
                         rotation * s.spin,
-                        rotation * torque.cwiseQuotient(block_.inertia),
+                        rotation * spin_change,
+                        s.spin,
+                        spin_change,
                         kTurningBound * spin_bound * spin_bound * block_.radius,
                         kJerkBound * spin_bound * spin_bound * spin_bound * block_.radius,
                         s.velocity.norm() + s.spin.norm() * block_.radius,
@@ -145,24 +148,23 @@ void HullContacts::look_ahead(const Vec3& position, const Vec3& velocity) {
     ahead_ = surface_.supporting_plane(ahead_box_);
 }
 
+/// How long the block stays over a box that it is flown through [s]; negative if it is not over it. Drag only shortens the way.
+double HullContacts::time_over(const Box2& box, const Vec3& position, const Flight& flight) const {
+    double t = kLongestFlight;
+    for (int k = 0; k < 2; ++k) {
+        const double v = flight.velocity[k];
+        const double east = box.max[k] - block_.radius - position[k], west = position[k] - block_.radius - box.min[k];
+        if (!(east >= 0.0 && west >= 0.0)) return -1.0;
+        t = std::min(t, (v > 0.0 ? east : west) / std::max(std::abs(v), 1e-9));
+    }
+    return t;
+}
+
 double HullContacts::time_over_plane(const Vec3& position, const Mat3& rotation, const Flight& flight) {
-    auto time_in_box = [&] {
-        double t = kLongestFlight;
-        for (int k = 0; k < 2; ++k) {
-            const double v = flight.velocity[k];
-            const double room = v > 0.0 ? ahead_box_.max[k] - block_.radius - position[k]
-                                        : position[k] - block_.radius - ahead_box_.min[k];
-            const double behind = v > 0.0 ? position[k] - block_.radius - ahead_box_.min[k]
-                                          : ahead_box_.max[k] - block_.radius - position[k];
-            if (!(room >= 0.0 && behind >= 0.0)) return -1.0;
-            t = std::min(t, room / std::max(std::abs(v), 1e-9));
-        }
-        return t;
-    };
-    double inside = time_in_box();
+    double inside = time_over(ahead_box_, position, flight);
     if (inside < 0.5 * kNearHorizon) {
         look_ahead(position, flight.velocity);
-        inside = time_in_box();
+        inside = time_over(ahead_box_, position, flight);
     }
     if (!ahead_.whole) inside = std::min(inside, kRimShare * block_.radius / std::max(flight.fastest, 0.1));
     const double centre = ahead_.height(position);
@@ -172,7 +174,8 @@ double HullContacts::time_over_plane(const Vec3& position, const Mat3& rotation,
     if (centre > block_.radius) time = std::isinf(centre) ? inside : arrival(centre - block_.radius, rate, fall);
     if (time < inside) {
         measure_heights(position, rotation, ahead_);
-        if (lowest_ > 0.0) time = std::max(time, soonest_on_plane(rotation, ahead_.normal, flight, inside));
+        if (lowest_ > 0.0)
+            time = std::max(time, soonest_on_plane(height_.data(), rotation, ahead_.normal, flight, inside));
     }
     if (time < 0.5 * inside && horizon_ > kNearHorizon) {
         horizon_ *= 0.5;  // over rough or curved ground a near plane lies closer
@@ -183,62 +186,146 @@ double HullContacts::time_over_plane(const Vec3& position, const Mat3& rotation,
     return std::min(time, inside);
 }
 
-/// With the vertices' heights over the plane at hand, all positive.
-double HullContacts::soonest_on_plane(const Mat3& rotation, const Vec3& normal, const Flight& flight,
-                                      double horizon) const {
+/// How the vertices near a plane with this normal.
+PlaneApproach HullContacts::approach(const Mat3& rotation, const Vec3& normal, const Flight& flight) const {
     const Vec3 n = rotation.transpose() * normal;
     // (n.(Omega x r)) and (n.(dOmega/dt x r + Omega x (Omega x r))) as products with r
-    const Vec3 spin = rotation.transpose() * flight.spin, change = rotation.transpose() * flight.spin_change;
-    const Vec3 speeding = n.cross(change) + n.dot(spin) * spin - spin.squaredNorm() * n;
-    return soonest_arrival(block_, height_.data(),
-                           {n.cross(spin), normal.dot(flight.velocity), -speeding, flight.fall(normal), flight.jerk,
-                            std::max(flight.fall(normal), 0.0) + flight.turning, horizon});
+    const Vec3& spin = flight.spin_in_body;
+    const Vec3 speeding = n.cross(flight.spin_change_in_body) + n.dot(spin) * spin - spin.squaredNorm() * n;
+    const double fall = flight.fall(normal);
+    return {n.cross(spin), normal.dot(flight.velocity),         -speeding, fall,
+            flight.jerk,   std::max(fall, 0.0) + flight.turning};
 }
 
+/// With the vertices' heights over the plane, all positive.
+double HullContacts::soonest_on_plane(const double* height, const Mat3& rotation, const Vec3& normal,
+                                      const Flight& flight, double horizon) const {
+    const PlaneApproach nearing = approach(rotation, normal, flight);
+    Eigen::Index vertex = 0;
+    if (lowest_until(block_, height, nearing, horizon, vertex) > 0.0) return horizon;
+    return soonest_arrival(block_, height, nearing, horizon);
+}
+
+/// True if the block stays above a plane until `time`: first the sphere around it, whose turning does not matter, then its vertices.
+bool HullContacts::keeps_above(const SupportingPlane& plane, const Vec3& position, const Mat3& rotation,
+                               const Flight& flight, double time) {
+    const double room = plane.height(position) - block_.radius;
+    const double fall = std::max(flight.fall(plane.normal), 0.0);
+    if (room > 0.0 && room + (plane.normal.dot(flight.velocity) - 0.5 * fall * time) * time > 0.0) return true;
+    plane_heights(block_, rotation.transpose() * plane.normal, plane.height(position), height_over_feature_.data());
+    Eigen::Index vertex = 0;
+    return lowest_until(block_, height_over_feature_.data(), approach(rotation, plane.normal, flight), time, vertex) >
+           0.0;
+}
+
+// Vertices first: mostly one of them is the first to touch. Of the rest only what cheaper bounds do not keep away until then is looked at closely.
 double HullContacts::time_to_features(const Vec3& position, const Mat3& rotation, const Flight& flight, double& gap) {
-    const double reach =
-        std::clamp(look_time_ * flight.fastest, 1e-3 * block_.inner_radius, kLookShare * block_.inner_radius);
     const Vec2 way = kPatchTime * flight.velocity.head<2>();
-    cover(position, reach, way * std::min(1.0, 2.0 * block_.radius / std::max(way.norm(), 1e-9)));
-    detect(position, rotation, reach, near_);
+    cover(position, 0.5 * kNearHorizon * flight.fastest,
+          way * std::min(1.0, 2.0 * block_.radius / std::max(way.norm(), 1e-9)));
+    beyond_rim_ = false;
+    double time = std::min(time_over(patch_.box, position, flight), look_time_);
+    if (!patch_.plane.whole) time = std::min(time, kRimShare * block_.radius / std::max(flight.fastest, 0.1));
+    if (patch_.facets.empty()) return time;
+    measure_heights(position, rotation, patch_.plane);
+    advance_odometer(position, rotation);
+    time = time_of_vertices(position, rotation, flight, time, gap);
+    if (!vertices_only_) time = time_of_tips_and_crests(position, rotation, flight, time, gap);
+    look_time_ = std::clamp(4.0 * time, kShortestLook, kLongestLook);
+    if (gap > 0.0) return time;
+    detect(position, rotation, 0.0, near_);
     for (const Contact<3>& c : near_) gap = std::min(gap, c.gap);
-    if (gap <= 0.0) return 0.0;
-    const double unlisted = arrival(reach, -flight.fastest, flight.gravity + flight.pull);
-    double time = unlisted;
+    return 0.0;
+}
+
+double HullContacts::time_of_vertices(const Vec3& position, const Mat3& rotation, const Flight& flight, double horizon,
+                                      double& gap) {
+    const PlaneApproach nearing = approach(rotation, patch_.plane.normal, flight);
+    double time = horizon;
+    auto look_at = [&](Eigen::Index i) {
+        const Vec3 arm = rotation * block_.vertex(i), p = position + arm;
+        if (const PatchFacet* facet = patch_.facet_at(p.head<2>())) {
+            gap = std::min(gap, facet->gap(p));
+            time = std::min(time, time_of_vertex(p, arm, *facet, flight, time));
+        } else {
+            beyond_rim_ = beyond_rim_ || height_[i] < 0.0;
+        }
+    };
+    Eigen::Index first = 0;
+    lowest_until(block_, height_.data(), nearing, time, first);
+    look_at(first);
+    const std::size_t count = vertices_reaching(block_, height_.data(), nearing, time, near_vertices_.data());
+    for (std::size_t k = 0; k < count; ++k)
+        if (near_vertices_[k] != first) look_at(near_vertices_[k]);
+    return time;
+}
+
+double HullContacts::time_of_tips_and_crests(const Vec3& position, const Mat3& rotation, const Flight& flight,
+                                             double horizon, double& gap) {
+    const double lowest = lowest_,
+                 sinking = std::max(flight.spin.norm() * block_.radius - patch_.plane.normal.dot(flight.velocity), 0.0),
+                 most = std::max(flight.fall(patch_.plane.normal), 0.0) + flight.turning;
+    double time = horizon, reach = 0.0, lowest_then = 0.0;
+    // until then no point of the block moves farther than `reach`, and none comes lower over the patch's plane than `lowest_then`
+    auto set_time = [&](double t) {
+        time = t;
+        reach = (flight.fastest + 0.5 * (flight.gravity + flight.pull + flight.turning) * t) * t;
+        lowest_then = lowest - (sinking + 0.5 * most * t) * t;
+    };
     auto look_at = [&](const Contact<3>& c) {
         const double soonest = arrival(c.gap, -flight.fastest, flight.gravity + flight.pull + flight.turning);
-        if (soonest < time)
-            time = std::min(time, std::max(soonest, time_of_contact(position, rotation, c, flight, time)));
+        if (soonest < time) set_time(std::min(time, std::max(soonest, time_of_contact(rotation, c, flight, time))));
     };
-    // the nearest first: mostly it comes first, and the others need no closer look
-    for (const Contact<3>& c : near_)
-        if (c.gap == gap) look_at(c);
-    for (const Contact<3>& c : near_)
-        if (c.gap > gap) look_at(c);
-    for (const Contact<3>& c : passed_by_)
-        if (c.gap > least_passed_by_) look_at(c);
-    if (!patch_.plane.whole) time = std::min(time, kRimShare * block_.radius / std::max(flight.fastest, 0.1));
-    look_time_ = time < unlisted ? std::clamp(4.0 * time, kShortestLook, kLongestLook) : kLongestLook;
-    return std::min(time, kLongestFlight);
+    auto look_at_contacts = [&] {
+        for (const Contact<3>& c : near_) {
+            gap = std::min(gap, c.gap);
+            if (c.gap > 0.0) look_at(c);
+        }
+        for (const Contact<3>& c : passed_by_)
+            if (c.gap > least_passed_by_) look_at(c);
+    };
+    set_time(horizon);
+    for (std::size_t k = 0; k < patch_.nodes.size(); ++k) {
+        if (node_height_[k] < lowest_then || odometer_ + reach < node_free_until_[k]) continue;
+        if (keeps_above(plane_facing(position, patch_.nodes[k].position), position, rotation, flight, time)) continue;
+        near_.clear();
+        passed_by_.clear();
+        add_tip_contact(k, position, rotation, reach, near_);
+        look_at_contacts();
+    }
+    for (std::size_t k = 0; k < patch_.edges.size(); ++k) {
+        if (edge_height_[k] < lowest_then || odometer_ + reach < edge_free_until_[k]) continue;
+        const PatchEdge& edge = patch_.edges[k];
+        const Vec3 nearest = edge.a + nearest_share(k, position) * (edge.b - edge.a);
+        if ((nearest - position).squaredNorm() > (block_.radius + reach) * (block_.radius + reach)) continue;
+        if (keeps_above(plane_facing(position, nearest), position, rotation, flight, time)) continue;
+        near_.clear();
+        passed_by_.clear();
+        add_crest_contacts(k, position, rotation, reach, near_);
+        look_at_contacts();
+    }
+    return time;
 }
 
-double HullContacts::time_of_contact(const Vec3& position, const Mat3& rotation, const Contact<3>& contact,
-                                     const Flight& flight, double horizon) {
-    if (contact.key.pair == FeaturePair::VertexOnFacet)
-        return time_of_vertex(position + contact.arm, contact, flight, horizon);
-    // the terrain at a crest or tip lies below the plane through it that the contact's normal stands on, and the block above it
-    measure_heights(position, rotation, {contact.normal, contact.normal.dot(position + contact.arm), true});
-    return lowest_ > 0.0 ? soonest_on_plane(rotation, contact.normal, flight, horizon) : 0.0;
+// The terrain at a crest or tip lies below the plane through it that the contact's normal stands on, and the block above it.
+double HullContacts::time_of_contact(const Mat3& rotation, const Contact<3>& contact, const Flight& flight,
+                                     double horizon) {
+    const double lowest = plane_heights(block_, rotation.transpose() * contact.normal, -contact.normal.dot(contact.arm),
+                                        height_over_feature_.data());
+    return lowest > 0.0 ? soonest_on_plane(height_over_feature_.data(), rotation, contact.normal, flight, horizon)
+                        : 0.0;
 }
 
 // The height of a vertex above the surface shrinks at a rate that depends on the facet below; all facets that it may get over count.
-double HullContacts::time_of_vertex(const Vec3& p, const Contact<3>& contact, const Flight& flight,
+double HullContacts::time_of_vertex(const Vec3& p, const Vec3& arm, const PatchFacet& below, const Flight& flight,
                                     double horizon) const {
-    const Vec3 u = flight.velocity_at(contact.arm), a = flight.acceleration_at(contact.arm);
-    const double height = contact.gap / contact.normal.z();
-    double rate = contact.normal.dot(u) / contact.normal.z(),
-           acceleration = -contact.normal.dot(a) / contact.normal.z();
-    double steepest = contact.normal.z();
+    const Vec3 u = flight.velocity_at(arm), a = flight.acceleration_at(arm);
+    const double height = p.z() - below.height(p.head<2>());
+    if (!(height > 0.0)) return 0.0;
+    const double hardest = flight.gravity + (flight.turning + flight.pull) / patch_.least_normal_z;
+    const double uphill = u.head<2>().norm() * steepest_slope_;
+    if (height + (std::min(u.z() - uphill, 0.0) - 0.5 * hardest * horizon) * horizon > 0.0) return horizon;
+    double rate = below.rise(u), acceleration = -below.rise(a), steepest = below.normal.z();
     auto time_now = [&] {
         return arrival(height, rate, acceleration, flight.jerk / steepest,
                        flight.gravity + (flight.turning + flight.pull) / steepest, horizon);
@@ -284,8 +371,16 @@ void HullContacts::detect(const Vec3& position, const Mat3& rotation, double rea
     advance_odometer(position, rotation);
     add_vertex_contacts(position, rotation, reach, contacts);
     if (vertices_only_) return;
-    add_tip_contacts(position, rotation, reach, contacts);
-    add_crest_contacts(position, rotation, reach, contacts);
+    for (std::size_t k = 0; k < patch_.nodes.size(); ++k) {
+        if (node_height_[k] < lowest_ - reach) continue;        // the block does not reach down there
+        if (odometer_ + reach < node_free_until_[k]) continue;  // it was farther away than the block has moved since
+        add_tip_contact(k, position, rotation, reach, contacts);
+    }
+    for (std::size_t k = 0; k < patch_.edges.size(); ++k) {
+        if (edge_height_[k] < lowest_ - reach) continue;  // as above
+        if (odometer_ + reach < edge_free_until_[k]) continue;
+        add_crest_contacts(k, position, rotation, reach, contacts);
+    }
 }
 
 // No point of the body moves farther than the centre of mass plus radius times the norm of the change of rotation.
@@ -352,116 +447,108 @@ void HullContacts::add_other_facets(const Vec3& p, const PatchFacet& below, doub
 
 // A tip touches the face that it is least deep in, if the terrain around it falls away from that face's plane on all sides; else a crest or a vertex
 // touches nearer.
-void HullContacts::add_tip_contacts(const Vec3& position, const Mat3& rotation, double reach,
-                                    std::vector<Contact<3>>& contacts) {
-    const double far = block_.radius + reach;
-    for (std::size_t k = 0; k < patch_.nodes.size(); ++k) {
-        if (node_height_[k] < lowest_ - reach) continue;        // the block does not reach down there
-        if (odometer_ + reach < node_free_until_[k]) continue;  // it was farther away than the block has moved since
-        const PatchNode& node = patch_.nodes[k];
-        const Vec3 arm = node.position - position;
-        const double distance = arm.norm();
-        if (distance > far) {
-            node_free_until_[k] = odometer_ + (distance - block_.radius) * kOdometerShare;
-            continue;
-        }
-        const Vec3 p = rotation.transpose() * arm;
-        Eigen::Index face = 0;
-        const double outside = farthest_face(block_, p, face);
-        if (outside > reach) {
-            node_free_until_[k] = odometer_ + outside * kOdometerShare;
-            continue;
-        }
-        cut_ = std::max(cut_, -outside);
-        const auto spokes = std::span(patch_.spokes)
-                                .subspan(static_cast<std::size_t>(node.first), static_cast<std::size_t>(node.count));
-        Contact<3> contact;
-        contact.gap = block_.normal(face).dot(p) - block_.offset[face];
-        contact.normal = -(rotation * block_.normal(face));
-        if (contact.gap < -block_.inner_radius) continue;
-        contact.motion = ContactMotion::PassesBlock;
-        contact.arm = arm;
-        contact.key = {FeaturePair::NodeInFace, 0, node.id};
-        if (std::any_of(spokes.begin(), spokes.end(),
-                        [&](const PatchSpoke& s) { return contact.normal.dot(s.edge) > -kTipAngle * s.edge.norm(); })) {
-            passed_by_.push_back(contact);
-            continue;
-        }
-        double closest = -1.0;
-        for (std::size_t s = 0; s < spokes.size(); ++s) {
-            const Vec3 facet = spokes[s].edge.cross(spokes[(s + 1) % spokes.size()].edge).normalized();
-            if (facet.dot(contact.normal) <= closest) continue;
-            closest = facet.dot(contact.normal);
-            contact.soil = spokes[s].soil;
-        }
-        contacts.push_back(contact);
+void HullContacts::add_tip_contact(std::size_t k, const Vec3& position, const Mat3& rotation, double reach,
+                                   std::vector<Contact<3>>& contacts) {
+    const PatchNode& node = patch_.nodes[k];
+    const Vec3 arm = node.position - position;
+    const double distance = arm.norm();
+    if (distance > block_.radius + reach) {
+        node_free_until_[k] = odometer_ + (distance - block_.radius) * kOdometerShare;
+        return;
     }
+    const Vec3 p = rotation.transpose() * arm;
+    Eigen::Index face = 0;
+    const double outside = farthest_face(block_, p, face);
+    if (outside > reach) {
+        node_free_until_[k] = odometer_ + outside * kOdometerShare;
+        return;
+    }
+    cut_ = std::max(cut_, -outside);
+    const auto spokes =
+        std::span(patch_.spokes).subspan(static_cast<std::size_t>(node.first), static_cast<std::size_t>(node.count));
+    Contact<3> contact;
+    contact.gap = block_.normal(face).dot(p) - block_.offset[face];
+    contact.normal = -(rotation * block_.normal(face));
+    if (contact.gap < -block_.inner_radius) return;
+    contact.motion = ContactMotion::PassesBlock;
+    contact.arm = arm;
+    contact.key = {FeaturePair::NodeInFace, 0, node.id};
+    if (std::any_of(spokes.begin(), spokes.end(),
+                    [&](const PatchSpoke& s) { return contact.normal.dot(s.edge) > -kTipAngle * s.edge.norm(); })) {
+        passed_by_.push_back(contact);
+        return;
+    }
+    double closest = -1.0;
+    for (std::size_t s = 0; s < spokes.size(); ++s) {
+        const Vec3 facet = spokes[s].edge.cross(spokes[(s + 1) % spokes.size()].edge).normalized();
+        if (facet.dot(contact.normal) <= closest) continue;
+        closest = facet.dot(contact.normal);
+        contact.soil = spokes[s].soil;
+    }
+    contacts.push_back(contact);
 }
 
 // Along the crest a + t (b - a), phi(t) = max_f (n_f.x - d_f) over the block's faces is convex and piecewise linear: its least value is how deep the crest
 // is in the block. Where that lies inside the crest, two faces meet: their common edge crosses the crest, and the combination of the two normals that
 // is perpendicular to the crest is the direction of contact. Where a face lies almost flat on the crest, the other end of the face touches too.
-void HullContacts::add_crest_contacts(const Vec3& position, const Mat3& rotation, double reach,
+void HullContacts::add_crest_contacts(std::size_t k, const Vec3& position, const Mat3& rotation, double reach,
                                       std::vector<Contact<3>>& contacts) {
-    const double far = block_.radius + reach;
-    for (std::size_t k = 0; k < patch_.edges.size(); ++k) {
-        if (edge_height_[k] < lowest_ - reach) continue;  // as above
-        if (odometer_ + reach < edge_free_until_[k]) continue;
-        const PatchEdge& edge = patch_.edges[k];
-        const Vec3 along = edge.b - edge.a;
-        const Vec3 from_a = position - edge.a;
-        const double foot = std::clamp(along.dot(from_a) / along.squaredNorm(), 0.0, 1.0);
-        // the direction from the crest's nearest point to the centre separates the two if the block does not reach that far
-        const Vec3 to_crest = foot * along - from_a;
+    const PatchEdge& edge = patch_.edges[k];
+    const CrestInBody crest{edge, rotation.transpose() * (edge.a - position), rotation.transpose() * (edge.b - edge.a)};
+    // a plane that has separated the two may still do
+    SupportingPlane& apart = edge_apart_[k];
+    double room = apart.height(crest.a) + std::min(apart.normal.dot(crest.d), 0.0);
+    if (!(room > reach)) {
+        // the direction from the crest's nearest point to the centre does if the block does not reach that far
+        const Vec3 to_crest = crest.a + nearest_share(k, position) * crest.d;
         const double distance = to_crest.norm();
-        const double room = distance > far ? distance - block_.radius
-                                           : distance - support(block_, rotation.transpose() * to_crest) / distance;
-        if (room > reach) {
-            edge_free_until_[k] = odometer_ + room * kOdometerShare;
-            continue;
-        }
-        const CrestInBody crest{edge, rotation.transpose() * -from_a, rotation.transpose() * along};
-
-        // minimise phi between a falling face (left) and a rising one (right), replacing one of them by the highest face where they meet
-        face_lines(block_, crest.a, crest.d, face_value_.data(), face_slope_.data());
-        Eigen::Index left = 0, right = 0, top = 0;
-        farthest_on_line(block_, face_value_.data(), face_slope_.data(), 0.0, left);
-        farthest_on_line(block_, face_value_.data(), face_slope_.data(), 1.0, right);
-        // least at an end: the tip there touches, or the next crest; a face that lies almost flat across that end touches here with its other end
-        if (face_slope_[left] >= 0.0 || face_slope_[right] <= 0.0) {
-            const double end = face_slope_[left] >= 0.0 ? 0.0 : 1.0;
-            const Eigen::Index face = end == 0.0 ? left : right;
-            const double outside = face_value_[face] + end * face_slope_[face];
-            cut_ = std::max(cut_, -outside);
-            if (outside > reach)
-                edge_free_until_[k] = odometer_ + outside * kOdometerShare;
-            else
-                add_far_end(crest, end, face, end == 0.0 ? +1.0 : -1.0, reach, rotation, contacts);
-            continue;
-        }
-        double t = 0.0, outside = 0.0;
-        for (int turn = 0; turn < 64; ++turn) {
-            t = (face_value_[right] - face_value_[left]) / (face_slope_[left] - face_slope_[right]);
-            const double phi = farthest_on_line(block_, face_value_.data(), face_slope_.data(), t, top);
-            outside = face_value_[left] + t * face_slope_[left];  // the minimum is no less
-            if (outside > reach || top == left || top == right || phi <= outside + 1e-14) break;
-            (face_slope_[top] < 0.0 ? left : right) = top;
-        }
-        if (outside > reach) {
-            edge_free_until_[k] = odometer_ + outside * kOdometerShare;
-            continue;
-        }
-        cut_ = std::max(cut_, -outside);
-        const double share =
-            -face_slope_[right] /
-            (face_slope_[left] - face_slope_[right]);  // of left: the sum is perpendicular to the crest
-        const Vec3 outward = share * block_.normal(left) + (1.0 - share) * block_.normal(right);
-        if (!add_crest_contact(crest, t, outward, left, right, reach, rotation, contacts) &&
-            face_value_[left] + t * face_slope_[left] < 0.0)
-            add_cut_corner(edge, position, rotation, contacts);
-        add_far_end(crest, t, right, +1.0, reach, rotation, contacts);
-        add_far_end(crest, t, left, -1.0, reach, rotation, contacts);
+        room = distance - (distance > block_.radius + reach ? block_.radius : support(block_, to_crest) / distance);
     }
+    if (room > reach) {
+        edge_free_until_[k] = odometer_ + room * kOdometerShare;
+        return;
+    }
+
+    // minimise phi between a falling face (left) and a rising one (right), replacing one of them by the highest face where they meet
+    face_lines(block_, crest.a, crest.d, face_value_.data(), face_slope_.data());
+    Eigen::Index left = 0, right = 0, top = 0;
+    farthest_on_line(block_, face_value_.data(), face_slope_.data(), 0.0, left);
+    farthest_on_line(block_, face_value_.data(), face_slope_.data(), 1.0, right);
+    // least at an end: the tip there touches, or the next crest; a face that lies almost flat across that end touches here with its other end
+    if (face_slope_[left] >= 0.0 || face_slope_[right] <= 0.0) {
+        const double end = face_slope_[left] >= 0.0 ? 0.0 : 1.0;
+        const Eigen::Index face = end == 0.0 ? left : right;
+        const double outside = face_value_[face] + end * face_slope_[face];
+        cut_ = std::max(cut_, -outside);
+        apart = {block_.normal(face), block_.offset[face], false};
+        if (outside > reach)
+            edge_free_until_[k] = odometer_ + outside * kOdometerShare;
+        else
+            add_far_end(crest, end, face, end == 0.0 ? +1.0 : -1.0, reach, rotation, contacts);
+        return;
+    }
+    double t = 0.0, outside = 0.0;
+    for (int turn = 0; turn < 64; ++turn) {
+        t = (face_value_[right] - face_value_[left]) / (face_slope_[left] - face_slope_[right]);
+        const double phi = farthest_on_line(block_, face_value_.data(), face_slope_.data(), t, top);
+        outside = face_value_[left] + t * face_slope_[left];  // the minimum is no less
+        if (outside > reach || top == left || top == right || phi <= outside + 1e-14) break;
+        (face_slope_[top] < 0.0 ? left : right) = top;
+    }
+    // of left: the sum is perpendicular to the crest
+    const double share = -face_slope_[right] / (face_slope_[left] - face_slope_[right]);
+    const Vec3 outward = share * block_.normal(left) + (1.0 - share) * block_.normal(right);
+    apart = {outward, share * block_.offset[left] + (1.0 - share) * block_.offset[right], false};
+    if (outside > reach) {
+        edge_free_until_[k] = odometer_ + outside * kOdometerShare;
+        return;
+    }
+    cut_ = std::max(cut_, -outside);
+    if (!add_crest_contact(crest, t, outward, left, right, reach, rotation, contacts) &&
+        face_value_[left] + t * face_slope_[left] < 0.0)
+        add_cut_corner(edge, position, rotation, contacts);
+    add_far_end(crest, t, right, +1.0, reach, rotation, contacts);
+    add_far_end(crest, t, left, -1.0, reach, rotation, contacts);
 }
 
 /// True if a facet of the crest does not fall away from the plane with this normal, but for the slack.

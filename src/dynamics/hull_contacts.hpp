@@ -11,6 +11,8 @@
 
 namespace scree {
 
+struct PlaneApproach;
+
 /// Contacts between one convex block and the terrain in 3D: block vertices on facets, terrain tips in faces, block edges on crests.
 /// Keeps the terrain patch around the block from call to call.
 class HullContacts {
@@ -55,15 +57,17 @@ public:
 private:
     /// Velocity of the body's points in flight and how much it can change.
     struct Flight {
-        Vec3 velocity;     ///< of the centre of mass [m/s]
-        Vec3 spin;         ///< local frame [rad/s]
-        Vec3 spin_change;  ///< its rate, local frame [rad/s^2]
-        double turning;    ///< largest acceleration of a point relative to the centre of mass during the flight [m/s^2]
-        double jerk;       ///< largest rate of change of that [m/s^3]
-        double fastest;    ///< largest speed of a point now [m/s]
-        double gravity;    ///< [m/s^2]
-        Vec3 drag;         ///< [m/s^2]
-        double pull;       ///< size of the drag [m/s^2]
+        Vec3 velocity;      ///< of the centre of mass [m/s]
+        Vec3 spin;          ///< local frame [rad/s]
+        Vec3 spin_change;   ///< its rate, local frame [rad/s^2]
+        Vec3 spin_in_body;  ///< the same two in the body frame
+        Vec3 spin_change_in_body;
+        double turning;  ///< largest acceleration of a point relative to the centre of mass during the flight [m/s^2]
+        double jerk;     ///< largest rate of change of that [m/s^3]
+        double fastest;  ///< largest speed of a point now [m/s]
+        double gravity;  ///< [m/s^2]
+        Vec3 drag;       ///< [m/s^2]
+        double pull;     ///< size of the drag [m/s^2]
         Vec3 velocity_at(const Vec3& arm) const { return velocity + spin.cross(arm); }
         Vec3 acceleration_at(const Vec3& arm) const {
             return spin_change.cross(arm) + spin.cross(spin.cross(arm)) - gravity * Vec3::UnitZ() + drag;
@@ -73,10 +77,19 @@ private:
     };
     double time_over_plane(const Vec3& position, const Mat3& rotation, const Flight& flight);
     double time_to_features(const Vec3& position, const Mat3& rotation, const Flight& flight, double& gap);
-    double soonest_on_plane(const Mat3& rotation, const Vec3& normal, const Flight& flight, double horizon) const;
-    double time_of_contact(const Vec3& position, const Mat3& rotation, const Contact<3>& contact, const Flight& flight,
-                           double horizon);
-    double time_of_vertex(const Vec3& p, const Contact<3>& contact, const Flight& flight, double horizon) const;
+    double time_of_vertices(const Vec3& position, const Mat3& rotation, const Flight& flight, double horizon,
+                            double& gap);
+    double time_of_tips_and_crests(const Vec3& position, const Mat3& rotation, const Flight& flight, double horizon,
+                                   double& gap);
+    PlaneApproach approach(const Mat3& rotation, const Vec3& normal, const Flight& flight) const;
+    double soonest_on_plane(const double* height, const Mat3& rotation, const Vec3& normal, const Flight& flight,
+                            double horizon) const;
+    bool keeps_above(const SupportingPlane& plane, const Vec3& position, const Mat3& rotation, const Flight& flight,
+                     double time);
+    double time_of_contact(const Mat3& rotation, const Contact<3>& contact, const Flight& flight, double horizon);
+    double time_of_vertex(const Vec3& p, const Vec3& arm, const PatchFacet& below, const Flight& flight,
+                          double horizon) const;
+    double time_over(const Box2& box, const Vec3& position, const Flight& flight) const;
     void look_ahead(const Vec3& position, const Vec3& velocity);
 
     void cover(const Vec3& position, double reach, const Vec2& way);
@@ -84,8 +97,9 @@ private:
                              std::vector<Contact<3>>& contacts);
     void add_other_facets(const Vec3& p, const PatchFacet& below, double reach, Contact<3> contact,
                           std::vector<Contact<3>>& contacts) const;
-    void add_tip_contacts(const Vec3& position, const Mat3& rotation, double reach, std::vector<Contact<3>>& contacts);
-    void add_crest_contacts(const Vec3& position, const Mat3& rotation, double reach,
+    void add_tip_contact(std::size_t tip, const Vec3& position, const Mat3& rotation, double reach,
+                         std::vector<Contact<3>>& contacts);
+    void add_crest_contacts(std::size_t crest, const Vec3& position, const Mat3& rotation, double reach,
                             std::vector<Contact<3>>& contacts);
     /// A terrain crest in the body frame: the points a + t d, t in [0, 1].
     struct CrestInBody {
@@ -101,6 +115,7 @@ private:
     void add_far_end(const CrestInBody& crest, double t, Eigen::Index face, double direction, double reach,
                      const Mat3& rotation, std::vector<Contact<3>>& contacts);
 
+    double nearest_share(std::size_t crest, const Vec3& place) const;
     void advance_odometer(const Vec3& position, const Mat3& rotation);
     void measure_heights(const Vec3& position, const Mat3& rotation, const SupportingPlane& plane);
 
@@ -117,20 +132,25 @@ private:
     double odometer_ = 0.0;  ///< how far any point of the body can have moved since the start, from look to look [m]
     Vec3 last_position_ = Vec3::Zero();  ///< at the last look [m]
     Mat3 last_rotation_ = Mat3::Identity();
-    std::vector<double> node_free_until_;  ///< a tip is out of reach while odometer + reach is less [m]
-    std::vector<double> edge_free_until_;  ///< same for crests [m]
-    SupportingPlane ahead_;                ///< over the terrain that the flight crosses next
-    Box2 ahead_box_;                       ///< where it holds; empty: nowhere
-    double horizon_ = 0.1;                 ///< how far ahead it is laid [s]
-    double look_time_ = 0.02;              ///< how far features are looked for in flight [s]
-    std::vector<Contact<3>> near_;         ///< room for free_time
+    std::vector<double> node_free_until_;      ///< a tip is out of reach while odometer + reach is less [m]
+    std::vector<double> edge_free_until_;      ///< same for crests [m]
+    std::vector<double> edge_per_square_;      ///< one over the square of each crest's length [1/m^2]
+    double steepest_slope_ = 0.0;              ///< of the patch, tangent [-]
+    std::vector<SupportingPlane> edge_apart_;  ///< body frame: a plane that the block is below and the crest was above
+    SupportingPlane ahead_;                    ///< over the terrain that the flight crosses next
+    Box2 ahead_box_;                           ///< where it holds; empty: nowhere
+    double horizon_ = 0.1;                     ///< how far ahead it is laid [s]
+    double look_time_ = 0.02;                  ///< how far ahead features are looked for in flight [s]
+    std::vector<Contact<3>> near_;             ///< room for free_time
     std::vector<Contact<3>>
         passed_by_;  ///< tips and crests within reach that touch nothing in this pose: a vertex or another crest is nearer
-    Eigen::ArrayXd vertex_free_until_;  ///< same for the block's vertices [m]
-    Eigen::ArrayXd height_;             ///< of each vertex over the plane last measured from [m]
-    double lowest_ = 0.0;               ///< the least of them [m]
-    Eigen::ArrayXd face_value_;         ///< plane distance of each face along the crest at hand: value + t slope [m]
-    Eigen::ArrayXd face_slope_;         ///< [m]
+    Eigen::ArrayXd vertex_free_until_;         ///< same for the block's vertices [m]
+    std::vector<Eigen::Index> near_vertices_;  ///< room for those that a flight looks at
+    Eigen::ArrayXd height_;                    ///< of each vertex over the plane last measured from [m]
+    double lowest_ = 0.0;                      ///< the least of them [m]
+    Eigen::ArrayXd height_over_feature_;       ///< the same over the plane through a tip or crest [m]
+    Eigen::ArrayXd face_value_;  ///< plane distance of each face along the crest at hand: value + t slope [m]
+    Eigen::ArrayXd face_slope_;  ///< [m]
 };
 
 }  // namespace scree

@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 #include <utility>
 
 namespace scree {
@@ -27,13 +28,9 @@ public:
     std::int64_t facet_count() const override { return static_cast<std::int64_t>(soil_.size()); }
 
     bool facet(std::int64_t f, std::array<Vec3, 3>& corners, SoilId& soil) const override {
-        const std::int64_t cell = f / 2;
-        const int i = static_cast<int>(cell % (heights_.shape.columns - 1));
-        const int j = static_cast<int>(cell / (heights_.shape.columns - 1));
-        corners = f % 2 == 0 ? std::array{node(i, j), node(i + 1, j), node(i, j + 1)}
-                             : std::array{node(i + 1, j), node(i + 1, j + 1), node(i, j + 1)};
-        soil = soil_[static_cast<std::size_t>(f)];
-        return std::isfinite(corners[0].z() + corners[1].z() + corners[2].z());
+        const auto cell = static_cast<std::uint64_t>(f / 2),
+                   columns = static_cast<std::uint64_t>(heights_.shape.columns - 1);
+        return facet_of_cell(static_cast<int>(cell % columns), static_cast<int>(cell / columns), f, corners, soil);
     }
 
     std::int64_t facet_at(const Vec2& p) const override {
@@ -60,6 +57,12 @@ private:
     Vec3 node(int i, int j) const {
         const Vec2 p = node2(i, j);
         return {p.x(), p.y(), heights_.at(i, j)};
+    }
+    bool facet_of_cell(int i, int j, std::int64_t f, std::array<Vec3, 3>& corners, SoilId& soil) const {
+        corners = f % 2 == 0 ? std::array{node(i, j), node(i + 1, j), node(i, j + 1)}
+                             : std::array{node(i + 1, j), node(i + 1, j + 1), node(i, j + 1)};
+        soil = soil_[static_cast<std::size_t>(f)];
+        return std::isfinite(corners[0].z() + corners[1].z() + corners[2].z());
     }
     std::int64_t facet_number(int i, int j) const {
         return 2 * (static_cast<std::int64_t>(j) * (heights_.shape.columns - 1) + i);
@@ -138,7 +141,7 @@ void GridSurface::gather(const Box2& box, TerrainPatch& patch) const {
             for (std::int64_t f = facet_number(i, j); f < facet_number(i, j) + 2; ++f) {
                 std::array<Vec3, 3> corners;
                 SoilId soil = 0;
-                if (!facet(f, corners, soil)) continue;
+                if (!facet_of_cell(i, j, f, corners, soil)) continue;
                 patch.bin_facets.push_back(static_cast<std::int32_t>(patch.facets.size()));
                 patch.add_facet(make_patch_facet(corners, soil, f));
             }
@@ -153,17 +156,21 @@ void GridSurface::gather(const Box2& box, TerrainPatch& patch) const {
     }
 }
 
-// The three edges that start at node (i, j): east, north, and the diagonal from (i, j+1) to (i+1, j).
+// The three edges that start at node (i, j): east, north, and the diagonal from (i, j+1) to (i+1, j). Each is a diagonal of a parallelogram of nodes: it
+// is convex only if its ends lie above the other two. A rim has no facet to fall away to.
 void GridSurface::gather_edges(int i, int j, TerrainPatch& patch) const {
     const GridShape& shape = heights_.shape;
     const std::int64_t id = 3 * static_cast<std::int64_t>(shape.index(i, j));
-    if (i + 1 < shape.columns && j > 0 && j + 1 < shape.rows)
+    const double* z = &heights_.at(i, j);
+    const std::ptrdiff_t up = shape.columns;
+    const bool east = i + 1 < shape.columns, north = j + 1 < shape.rows;
+    if (east && north && j > 0 && z[0] + z[1] > z[up] + z[1 - up])
         add_edge({i, j}, {i + 1, j}, {i, j + 1}, {i + 1, j - 1}, facet_number(i, j), facet_number(i, j - 1) + 1, id,
                  patch);
-    if (j + 1 < shape.rows && i > 0 && i + 1 < shape.columns)
+    if (east && north && i > 0 && z[0] + z[up] > z[up - 1] + z[1])
         add_edge({i, j}, {i, j + 1}, {i - 1, j + 1}, {i + 1, j}, facet_number(i - 1, j) + 1, facet_number(i, j), id + 1,
                  patch);
-    if (i + 1 < shape.columns && j + 1 < shape.rows)
+    if (east && north && z[1] + z[up] > z[0] + z[up + 1])
         add_edge({i + 1, j}, {i, j + 1}, {i, j}, {i + 1, j + 1}, facet_number(i, j), facet_number(i, j) + 1, id + 2,
                  patch);
 }
@@ -171,10 +178,6 @@ void GridSurface::gather_edges(int i, int j, TerrainPatch& patch) const {
 void GridSurface::add_edge(std::pair<int, int> a, std::pair<int, int> b, std::pair<int, int> left,
                            std::pair<int, int> right, std::int64_t left_facet, std::int64_t right_facet,
                            std::int64_t id, TerrainPatch& patch) const {
-    // The edge is a diagonal of a parallelogram of nodes: it is convex only if its ends lie above the other two. A rim has no facet to fall away to.
-    if (!(heights_.at(a.first, a.second) + heights_.at(b.first, b.second) >
-          heights_.at(left.first, left.second) + heights_.at(right.first, right.second)))
-        return;
     PatchEdge e;
     e.a = node(a.first, a.second);
     e.b = node(b.first, b.second);
@@ -189,19 +192,18 @@ void GridSurface::add_edge(std::pair<int, int> a, std::pair<int, int> b, std::pa
 void GridSurface::gather_node(int i, int j, TerrainPatch& patch) const {
     const GridShape& shape = heights_.shape;
     if (i == 0 || j == 0 || i + 1 == shape.columns || j + 1 == shape.rows) return;
+    const double* z = &heights_.at(i, j);
+    const std::ptrdiff_t up = shape.columns;
+    const std::array<double, 6> around{z[1], z[up], z[up - 1], z[-1], z[-up], z[1 - up]};
+    int crests = 0;
+    for (std::size_t k = 0; k < 6; ++k) crests += z[0] + around[k] > around[(k + 1) % 6] + around[(k + 5) % 6] ? 1 : 0;
+    if (crests < 3 || !std::isfinite(z[0] + std::accumulate(around.begin(), around.end(), 0.0))) return;
     // neighbours counter-clockwise, with the facet counter-clockwise of each spoke
     const std::array<std::pair<int, int>, 6> ring{
         {{i + 1, j}, {i, j + 1}, {i - 1, j + 1}, {i - 1, j}, {i, j - 1}, {i + 1, j - 1}}};
     const std::array<std::int64_t, 6> facets{facet_number(i, j),     facet_number(i - 1, j) + 1,
                                              facet_number(i - 1, j), facet_number(i - 1, j - 1) + 1,
                                              facet_number(i, j - 1), facet_number(i, j - 1) + 1};
-    std::array<double, 6> z{};
-    for (std::size_t k = 0; k < 6; ++k) z[k] = heights_.at(ring[k].first, ring[k].second);
-    const double top = heights_.at(i, j);
-    auto convex = [&](std::size_t k) { return top + z[k] > z[(k + 1) % 6] + z[(k + 5) % 6]; };
-    int crests = 0;
-    for (std::size_t k = 0; k < 6; ++k) crests += convex(k) ? 1 : 0;
-    if (crests < 3 || !std::isfinite(top + z[0] + z[1] + z[2] + z[3] + z[4] + z[5])) return;
     const Vec3 centre = node(i, j);
     std::array<Vec3, 6> spoke;
     for (std::size_t k = 0; k < 6; ++k) spoke[k] = node(ring[k].first, ring[k].second) - centre;

@@ -61,11 +61,11 @@ Lanes Arrival(Lanes h, Lanes r, Lanes a, Lanes horizon) {
 }
 
 // What the acceleration can be up to a guess of the time counts as constant up to then.
-double SoonestArrival(const ConvexBlock& block, const double* height, const PlaneApproach& approach) {
+double SoonestArrival(const ConvexBlock& block, const double* height, const PlaneApproach& approach, double longest) {
     const Dot rate_of(approach.rate_vector), acceleration_of(approach.acceleration_vector);
     const Lanes rate = hn::Set(Tag(), approach.rate), acceleration = hn::Set(Tag(), approach.acceleration),
                 jerk = hn::Set(Tag(), approach.jerk), most = hn::Set(Tag(), approach.most),
-                horizon = hn::Set(Tag(), approach.horizon);
+                horizon = hn::Set(Tag(), longest);
     Lanes soonest = horizon;
     for (Eigen::Index i = 0; i < block.x.size(); i += step()) {
         const Lanes x = load(block.x, i), y = load(block.y, i), z = load(block.z, i), h = load(height, i);
@@ -75,6 +75,32 @@ double SoonestArrival(const ConvexBlock& block, const double* height, const Plan
     }
     return hn::GetLane(hn::MinOfLanes(Tag(), soonest));
 }
+
+/// Least height of groups of vertices from now until a time: with an acceleration that counts as constant, and not as upwards, it is that at either end.
+class LowestUntil {
+public:
+    LowestUntil(const ConvexBlock& block, const double* height, const PlaneApproach& approach, double time)
+        : block_(block),
+          height_(height),
+          rate_of_(approach.rate_vector),
+          acceleration_of_(approach.acceleration_vector),
+          rate_(hn::Set(Tag(), approach.rate)),
+          acceleration_(hn::Set(Tag(), approach.acceleration + approach.jerk * time)),
+          most_(hn::Set(Tag(), approach.most)),
+          time_(hn::Set(Tag(), time)),
+          half_(hn::Set(Tag(), 0.5 * time)) {}
+    Lanes operator()(Eigen::Index i) const {
+        const Lanes x = load(block_.x, i), y = load(block_.y, i), z = load(block_.z, i), h = load(height_, i);
+        const Lanes a = hn::Max(hn::Min(acceleration_of_(x, y, z) + acceleration_, most_), hn::Zero(Tag()));
+        return hn::Min(h, h + time_ * (rate_of_(x, y, z) + rate_ - half_ * a));
+    }
+
+private:
+    const ConvexBlock& block_;
+    const double* height_;
+    Dot rate_of_, acceleration_of_;
+    Lanes rate_, acceleration_, most_, time_, half_;
+};
 
 /// Keeps the largest value of every lane and the first index where it is.
 class FirstLargest {
@@ -96,6 +122,29 @@ public:
 private:
     Lanes most_, where_, number_;
 };
+
+double LowestHeight(const ConvexBlock& block, const double* height, const PlaneApproach& approach, double time,
+                    Eigen::Index& vertex) {
+    const LowestUntil lowest(block, height, approach, time);
+    FirstLargest deepest;
+    for (Eigen::Index i = 0; i < block.x.size(); i += step()) deepest.add(hn::Neg(lowest(i)));
+    return -deepest.result(vertex);
+}
+
+std::size_t VerticesReaching(const ConvexBlock& block, const double* height, const PlaneApproach& approach, double time,
+                             Eigen::Index* vertices) {
+    const LowestUntil lowest(block, height, approach, time);
+    std::size_t count = 0;
+    for (Eigen::Index i = 0; i < block.x.size(); i += step()) {
+        const Lanes least = lowest(i);
+        if (hn::AllTrue(Tag(), hn::Gt(least, hn::Zero(Tag())))) continue;
+        HWY_ALIGN double each[ConvexBlock::kLanes];
+        hn::Store(least, Tag(), each);
+        for (Eigen::Index k = 0; k < step() && i + k < block.vertex_count(); ++k)
+            if (!(each[k] > 0.0)) vertices[count++] = i + k;
+    }
+    return count;
+}
 
 double FarthestFace(const ConvexBlock& block, const Vec3& p, Eigen::Index& face) {
     const Dot dot(p);
@@ -152,6 +201,8 @@ namespace scree {
 HWY_EXPORT(PlaneHeights);
 HWY_EXPORT(Support);
 HWY_EXPORT(SoonestArrival);
+HWY_EXPORT(LowestHeight);
+HWY_EXPORT(VerticesReaching);
 HWY_EXPORT(FarthestFace);
 HWY_EXPORT(FaceLines);
 HWY_EXPORT(FarthestOnLine);
@@ -163,8 +214,16 @@ double plane_heights(const ConvexBlock& block, const Vec3& n, double offset, dou
 double support(const ConvexBlock& block, const Vec3& n) {
     return HWY_DYNAMIC_DISPATCH(Support)(block, n);
 }
-double soonest_arrival(const ConvexBlock& block, const double* height, const PlaneApproach& approach) {
-    return HWY_DYNAMIC_DISPATCH(SoonestArrival)(block, height, approach);
+double soonest_arrival(const ConvexBlock& block, const double* height, const PlaneApproach& approach, double horizon) {
+    return HWY_DYNAMIC_DISPATCH(SoonestArrival)(block, height, approach, horizon);
+}
+double lowest_until(const ConvexBlock& block, const double* height, const PlaneApproach& approach, double time,
+                    Eigen::Index& vertex) {
+    return HWY_DYNAMIC_DISPATCH(LowestHeight)(block, height, approach, time, vertex);
+}
+std::size_t vertices_reaching(const ConvexBlock& block, const double* height, const PlaneApproach& approach,
+                              double time, Eigen::Index* vertices) {
+    return HWY_DYNAMIC_DISPATCH(VerticesReaching)(block, height, approach, time, vertices);
 }
 double farthest_face(const ConvexBlock& block, const Vec3& p, Eigen::Index& face) {
     return HWY_DYNAMIC_DISPATCH(FarthestFace)(block, p, face);

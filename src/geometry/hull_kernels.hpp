@@ -23,11 +23,19 @@ struct PlaneApproach {
     double acceleration;       ///< [m/s^2]
     double jerk;               ///< [m/s^3]
     double most;               ///< [m/s^2], positive
-    double horizon;            ///< no longer time is asked for [s]
 };
 
 /// Lower bound of the time at which the first vertex reaches the plane [s], at most the horizon. Heights must be positive.
-double soonest_arrival(const ConvexBlock& block, const double* height, const PlaneApproach& approach);
+double soonest_arrival(const ConvexBlock& block, const double* height, const PlaneApproach& approach, double horizon);
+
+/// Lower bound of the heights of all vertices from now until `time`; `vertex` is the first that may come so low. Where it is positive, none reaches
+/// the plane: without roots and quotients it costs a fraction of an arrival.
+double lowest_until(const ConvexBlock& block, const double* height, const PlaneApproach& approach, double time,
+                    Eigen::Index& vertex);
+
+/// The vertices for which that bound is not positive, in order; returns how many. `vertices` has room for all, filling included.
+std::size_t vertices_reaching(const ConvexBlock& block, const double* height, const PlaneApproach& approach,
+                              double time, Eigen::Index* vertices);
 
 /// Largest of normal.p - offset over the faces; `face` is the first where it is.
 double farthest_face(const ConvexBlock& block, const Vec3& p, Eigen::Index& face);

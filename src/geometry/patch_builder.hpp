@@ -12,14 +12,13 @@ inline PatchFacet make_patch_facet(const std::array<Vec3, 3>& c, SoilId soil, st
     PatchFacet f;
     f.normal = (c[1] - c[0]).cross(c[2] - c[0]).normalized();
     f.offset = f.normal.dot(c[0]);
-    f.gradient = -f.normal.head<2>() / f.normal.z();
+    f.gradient = -f.normal.head<2>() * (1.0 / f.normal.z());
     f.base = c[0].z() - f.gradient.dot(c[0].head<2>());
     for (std::size_t k = 0; k < 3; ++k) {
         const Vec3& a = c[k];
         const Vec3& b = c[(k + 1) % 3];
         const double dx = b.x() - a.x(), dy = b.y() - a.y();
-        const double length = std::sqrt(dx * dx + dy * dy);
-        f.side[k] = Vec3(-dy, dx, dy * a.x() - dx * a.y()) / length;
+        f.side[k] = Vec3(-dy, dx, dy * a.x() - dx * a.y()) * (1.0 / std::sqrt(dx * dx + dy * dy));
     }
     f.id = static_cast<std::int32_t>(id);
     f.soil = soil;
