@@ -24,12 +24,21 @@ inline Mat2 rotation_matrix(double angle) {
     return r;
 }
 
-/// Rotation by the exponential map of a body-frame rotation vector [rad].
+/// Rotation by the exponential map of a body-frame rotation vector [rad]. Up to 0.4 rad the series of sine and cosine are exact to rounding.
 inline Quat turned(const Quat& q, const Vec3& angle) {
-    const double half = 0.5 * angle.norm();
-    const double s = half > 1e-8 ? 0.5 * std::sin(half) / half : 0.5 * (1.0 - half * half / 6.0);
-    Quat result = q * Quat(std::cos(half), s * angle.x(), s * angle.y(), s * angle.z());
-    result.normalize();
+    const double square = 0.25 * angle.squaredNorm();  // of half the angle
+    double c = 0.0, s = 0.0;                           // cosine of half the angle, half of sine over half the angle
+    if (square < 0.04) {
+        auto term = [&](double n, double rest) { return 1.0 - square * (1.0 / n) * rest; };
+        c = term(2, term(12, term(30, term(56, term(90, 1.0)))));
+        s = 0.5 * term(6, term(20, term(42, term(72, term(110, 1.0)))));
+    } else {
+        const double half = std::sqrt(square);
+        c = std::cos(half);
+        s = 0.5 * std::sin(half) / half;
+    }
+    Quat result = q * Quat(c, s * angle.x(), s * angle.y(), s * angle.z());
+    result.coeffs() *= 1.5 - 0.5 * result.squaredNorm();  // of a length that is one but for rounding
     return result;
 }
 inline double turned(double angle, const Space<2>::Spin& by) {
@@ -72,7 +81,8 @@ inline constexpr double kLargestTurn = 0.2;
 /// Torque-free rotation over dt: Runge-Kutta 4 for Omega, fourth-order Magnus expansion for the orientation (Iserles & Norsett 1999), in
 /// steps of at most `longest` [s], shorter where the body spins fast.
 inline void rotate_freely(const Vec3& moment, double longest, double dt, Quat& orientation, Vec3& spin) {
-    auto rate = [&](const Vec3& w) -> Vec3 { return gyroscopic_torque(moment, w).cwiseQuotient(moment); };
+    const Vec3 mobility = moment.cwiseInverse();
+    auto rate = [&](const Vec3& w) -> Vec3 { return gyroscopic_torque(moment, w).cwiseProduct(mobility); };
     while (dt > 0.0) {
         const double steps = std::ceil(dt * std::max(1.0 / longest, spin.norm() / kLargestTurn) - 1e-9);
         const double h = steps > 1.0 ? dt / steps : dt;
