@@ -116,9 +116,15 @@ MapRecorder::MapRecorder(const CampaignInput& input, std::int64_t block, BlockRe
     }
 }
 
+/// True if p lies inside the cell raised last: most steps stay in it.
+bool MapRecorder::inside(const Vec2& p) const {
+    return (p.array() > cell_box_.min.array()).all() && (p.array() < cell_box_.max.array()).all();
+}
+
 void MapRecorder::cross_cells(const MotionSegment<3>& m) {
     const GridShape& grid = input_.result_cells;
     const Vec2 start = m.position.head<2>(), end = position_at(m, 1.0).head<2>();
+    if (inside(start) && inside(end)) return raise_cell(cell_, m, 0.0, 1.0);
     const Vec2 d = end - start;
     // all shares of the segment at which a grid line is crossed, in order
     double s = 0.0;
@@ -135,27 +141,46 @@ void MapRecorder::cross_cells(const MotionSegment<3>& m) {
         }
         const Vec2 middle = start + 0.5 * (s + next) * d;
         const int column = grid.column_of(middle.x()), row = grid.row_of(middle.y());
-        if (grid.contains(column, row)) raise_cell(grid.index(column, row), m, s, next);
+        if (grid.contains(column, row)) {
+            cell_ = grid.index(column, row);
+            cell_box_.min = grid.origin + grid.cell * Vec2(column, row);
+            cell_box_.max = cell_box_.min + Vec2::Constant(grid.cell);
+            raise_cell(cell_, m, s, next);
+        }
         s = next;
     }
 }
 
+/// True if p lies inside the triangle in plan view, not on its outline.
+bool MapRecorder::Below::holds(const Vec2& p) const {
+    for (std::size_t k = 0; k < 3; ++k) {
+        const Vec2 a = corner[k].head<2>(), side = corner[(k + 1) % 3].head<2>() - a;
+        if (!(side.x() * (p.y() - a.y()) - side.y() * (p.x() - a.x()) > 0.0)) return false;
+    }
+    return true;
+}
+
 /// Over one facet the height above it is a downward parabola in time: its largest value is at an end or at the apex. The path is followed from facet to
 /// facet.
-double MapRecorder::largest_height(const MotionSegment<3>& m, double from, double to) const {
+double MapRecorder::largest_height(const MotionSegment<3>& m, double from, double to) {
     const Vec2 start = m.position.head<2>();
     const Vec2 d = position_at(m, 1.0).head<2>() - start;
     double largest = 0.0;
     double s = from;
     for (int guard = 0; guard < 10000; ++guard) {
         const double probe = std::min(s + 1e-9, to);
-        const std::int64_t f = input_.surface->facet_at(start + probe * d);
-        std::array<Vec3, 3> corner;
-        SoilId soil = 0;
-        if (f < 0 || !input_.surface->facet(f, corner, soil)) break;
+        const auto& corner = below_.corner;
+        if (!below_.holds(start + probe * d)) {
+            const std::int64_t f = input_.surface->facet_at(start + probe * d);
+            SoilId soil = 0;
+            if (f < 0 || !input_.surface->facet(f, below_.corner, soil)) {
+                below_ = {};
+                break;
+            }
+        }
         // where the line leaves the triangle
         double exit = to;
-        for (std::size_t k = 0; k < 3; ++k) {
+        for (std::size_t k = 0; k < 3 && !below_.holds(start + to * d); ++k) {
             const Vec2 a = corner[k].head<2>(), b = corner[(k + 1) % 3].head<2>();
             const Vec2 inward(-(b - a).y(), (b - a).x());
             const double speed = inward.dot(d);
@@ -163,15 +188,13 @@ double MapRecorder::largest_height(const MotionSegment<3>& m, double from, doubl
             const double at = inward.dot(a - start) / speed;
             if (at > probe) exit = std::min(exit, at);
         }
+        // the height is a + b s + c s^2
         const Vec3 normal = (corner[1] - corner[0]).cross(corner[2] - corner[0]);
-        auto height = [&](double share) {
-            const Vec3 p = position_at(m, share);
-            return normal.dot(p - corner[0]) / normal.z();
-        };
+        auto rise = [&](const Vec3& way) { return normal.dot(way) / normal.z(); };
+        const double a = rise(m.position - corner[0]), b = m.duration * rise(m.velocity_start),
+                     c = 0.5 * m.duration * rise(m.velocity_end - m.velocity_start);
+        auto height = [&](double share) { return a + share * (b + share * c); };
         largest = std::max({largest, height(s), height(exit)});
-        // apex of a + b s + c s^2
-        const double h0 = height(0.0), h1 = height(1.0), hm = height(0.5);
-        const double c = 2.0 * (h0 + h1 - 2.0 * hm), b = h1 - h0 - c;
         if (c < 0.0 && -b / (2.0 * c) > s && -b / (2.0 * c) < exit) largest = std::max(largest, height(-b / (2.0 * c)));
         if (exit >= to) break;
         s = exit;
@@ -254,7 +277,7 @@ void ProfileRecorder::cross_screens(const MotionSegment<2>& m) {
 }
 
 /// Over one reach the height above it is a downward parabola in time: its largest value is at an end or at the apex.
-double ProfileRecorder::largest_height(const MotionSegment<2>& m, double from, double to) const {
+double ProfileRecorder::largest_height(const MotionSegment<2>& m, double from, double to) {
     const double start = m.position.x(), way = position_at(m, 1.0).x() - start;
     const double rise = m.duration * m.velocity_start.y(),
                  curvature = 0.5 * m.duration * (m.velocity_end.y() - m.velocity_start.y());

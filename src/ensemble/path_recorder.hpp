@@ -32,7 +32,7 @@ protected:
     virtual void cross_cells(const MotionSegment<Dim>& m) = 0;
     virtual void cross_screens(const MotionSegment<Dim>& m) = 0;
     /// Largest height of the centre of mass above the ground between two shares of the segment.
-    virtual double largest_height(const MotionSegment<Dim>& m, double from, double to) const = 0;
+    virtual double largest_height(const MotionSegment<Dim>& m, double from, double to) = 0;
     virtual double ground(const Vec& position) const = 0;
     /// Position or velocity on the map, for a place of the motion.
     virtual Vec3 on_map(const Vec& position) const = 0;
@@ -68,12 +68,22 @@ public:
 private:
     void cross_cells(const MotionSegment<3>& m) override;
     void cross_screens(const MotionSegment<3>& m) override;
-    double largest_height(const MotionSegment<3>& m, double from, double to) const override;
+    double largest_height(const MotionSegment<3>& m, double from, double to) override;
     double ground(const Vec3& position) const override { return input_.surface->height(position.head<2>()); }
     Vec3 on_map(const Vec3& position) const override { return position; }
     Vec3 velocity_on_map(const Vec3&, const Vec3& velocity) const override { return velocity; }
 
+    /// A terrain triangle.
+    struct Below {
+        std::array<Vec3, 3> corner{Vec3::Zero(), Vec3::Zero(), Vec3::Zero()};
+        bool holds(const Vec2& p) const;
+    };
+    bool inside(const Vec2& p) const;
+
     std::vector<Box2> screen_boxes_;
+    std::size_t cell_ = 0;  ///< raised last
+    Box2 cell_box_;         ///< what it covers; empty: none yet
+    Below below_;           ///< the facet below the centre of mass at the last look
 };
 
 /// Along a profile: cells of chainage, screens as chainages.
@@ -85,7 +95,7 @@ public:
 private:
     void cross_cells(const MotionSegment<2>& m) override;
     void cross_screens(const MotionSegment<2>& m) override;
-    double largest_height(const MotionSegment<2>& m, double from, double to) const override;
+    double largest_height(const MotionSegment<2>& m, double from, double to) override;
     double ground(const Vec2& position) const override { return ground_.height(position.x()); }
     Vec3 on_map(const Vec2& position) const override;
     Vec3 velocity_on_map(const Vec2& position, const Vec2& velocity) const override;
