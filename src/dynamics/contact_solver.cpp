@@ -145,8 +145,8 @@ double residual(const Scaled<Dim, C>& s, const typename Scaled<Dim, C>::Vector& 
             double y[T];
             for (std::size_t k = 0; k < T; ++k) y[k] = p[at + k] - u[at + k];
             const double pull = length<T>(y);
-            for (std::size_t k = 0; k < T; ++k)
-                F[at + k] = pull <= threshold ? u[at + k] : p[at + k] - threshold * y[k] / pull;
+            const double share = threshold / pull;
+            for (std::size_t k = 0; k < T; ++k) F[at + k] = pull <= threshold ? u[at + k] : p[at + k] - share * y[k];
         }
     }
     return norm(F);
@@ -184,7 +184,8 @@ template <int Dim, int C>
                 for (std::size_t k = 0; k < T; ++k) copy_row_of_W(at + k);
                 continue;
             }
-            for (std::size_t k = 0; k < T; ++k) direction[k] /= pull;
+            const double per_pull = 1.0 / pull;
+            for (std::size_t k = 0; k < T; ++k) direction[k] *= per_pull;
             // d(threshold direction) = limit direction dsigma + threshold/pull (I - direction direction^T) dy
             for (std::size_t k = 0; k < T; ++k) {
                 double* row = &J[(at + k) * size];
@@ -193,7 +194,7 @@ template <int Dim, int C>
                 row[n] -= push;
                 row[at + k] += 1.0;
                 for (std::size_t m = 0; m < T; ++m) {
-                    const double turn = threshold / pull * ((k == m ? 1.0 : 0.0) - direction[k] * direction[m]);
+                    const double turn = threshold * per_pull * ((k == m ? 1.0 : 0.0) - direction[k] * direction[m]);
                     for (std::size_t j = 0; j < size; ++j) row[j] += turn * s.entry(at + m, j);
                     row[at + m] -= turn;
                 }
@@ -202,29 +203,33 @@ template <int Dim, int C>
     }
 }
 
-/// b becomes x with A x = b, A row by row, by elimination with row pivoting; A is used up. N is the size, 0 where the compiler does not know it.
+/// Rows change places only where a pivot is smaller than this share of the largest below it: seldom, and so at little cost [-].
+constexpr double kLeastPivot = 0.1;
+
+/// b becomes x with A x = b, A row by row, by elimination with threshold pivoting; A is used up. N is the size, 0 where the compiler does not know it.
 template <std::size_t N, class Matrix, class Vector>
 void solve_linear(std::size_t given_size, Matrix& A, Vector& b) {
     const std::size_t size = N > 0 ? N : given_size;
     for (std::size_t k = 0; k < size; ++k) {
-        std::size_t pivot = k;
-        for (std::size_t i = k + 1; i < size; ++i)
-            if (std::abs(A[i * size + k]) > std::abs(A[pivot * size + k])) pivot = i;
-        if (pivot != k) {
+        double largest = 0.0;
+        for (std::size_t i = k + 1; i < size; ++i) largest = std::max(largest, std::abs(A[i * size + k]));
+        if (!(std::abs(A[k * (size + 1)]) >= kLeastPivot * largest)) {
+            std::size_t pivot = k;
+            while (pivot + 1 < size && std::abs(A[pivot * size + k]) != largest) ++pivot;
             for (std::size_t j = k; j < size; ++j) std::swap(A[k * size + j], A[pivot * size + j]);
             std::swap(b[k], b[pivot]);
         }
-        const double inverse = 1.0 / A[k * size + k];
+        const double inverse = 1.0 / A[k * (size + 1)];
+        A[k * (size + 1)] = inverse;
         for (std::size_t i = k + 1; i < size; ++i) {
             const double factor = A[i * size + k] * inverse;
-            if (factor == 0.0) continue;
             for (std::size_t j = k + 1; j < size; ++j) A[i * size + j] -= factor * A[k * size + j];
             b[i] -= factor * b[k];
         }
     }
     for (std::size_t k = size; k-- > 0;) {
         for (std::size_t j = k + 1; j < size; ++j) b[k] -= A[k * size + j] * b[j];
-        b[k] /= A[k * size + k];
+        b[k] *= A[k * (size + 1)];
     }
 }
 
