@@ -31,8 +31,9 @@ constexpr double kLongestFlight = 0.25;
 constexpr double kFarHorizon = 0.5, kNearHorizon = 0.02;
 /// A flight time over the plane that is shorter than this makes it worth looking at the features [s].
 constexpr double kNearTime = 2e-3;
-/// How far ahead features are looked for [s], four times as far as the last look found the block free: what lies farther costs and is seldom met.
-constexpr double kLongestLook = 0.05, kShortestLook = 4e-3;
+/// How far features are looked for: what the fastest point of the block covers in this time [s], and a share of the block's thickness at most [-]: what
+/// is passed by and not waited for must not get through the block between two looks. Shorter where the last look found something near.
+constexpr double kLongestLook = 0.02, kShortestLook = 2e-3, kLookShare = 0.7;
 /// A block in flight has the terrain of so much time copied out at once [s], two radii at most.
 constexpr double kPatchTime = 0.1;
 /// Where terrain has holes or ends, share of the radius that is flown at most between two looks [-].
@@ -79,6 +80,7 @@ void HullContacts::cover(const Vec3& position, double reach, const Vec2& way) {
     edge_apart_.assign(patch_.edges.size(), SupportingPlane{Vec3::Zero(), kInfinity, false});
     vertex_free_until_.setConstant(-kInfinity);
     node_height_.clear();
+    edge_faces_.assign(patch_.edges.size(), {0, 0});
     edge_height_.clear();
     edge_per_square_.clear();
     for (const PatchNode& n : patch_.nodes) node_height_.push_back(patch_.plane.height(n.position));
@@ -224,14 +226,17 @@ double HullContacts::time_to_features(const Vec3& position, const Mat3& rotation
     cover(position, 0.5 * kNearHorizon * flight.fastest,
           way * std::min(1.0, 2.0 * block_.radius / std::max(way.norm(), 1e-9)));
     beyond_rim_ = false;
-    double time = std::min(time_over(patch_.box, position, flight), look_time_);
+    const double look =
+        std::clamp(look_time_ * flight.fastest, 1e-3 * block_.inner_radius, kLookShare * block_.inner_radius);
+    const double longest = arrival(look, -flight.fastest, flight.gravity + flight.pull);
+    double time = std::min(time_over(patch_.box, position, flight), longest);
     if (!patch_.plane.whole) time = std::min(time, kRimShare * block_.radius / std::max(flight.fastest, 0.1));
     if (patch_.facets.empty()) return time;
     measure_heights(position, rotation, patch_.plane);
     advance_odometer(position, rotation);
     time = time_of_vertices(position, rotation, flight, time, gap);
     if (!vertices_only_) time = time_of_tips_and_crests(position, rotation, flight, time, gap);
-    look_time_ = std::clamp(4.0 * time, kShortestLook, kLongestLook);
+    look_time_ = time < longest ? std::clamp(4.0 * time, kShortestLook, kLongestLook) : kLongestLook;
     if (gap > 0.0) return time;
     detect(position, rotation, 0.0, near_);
     for (const Contact<3>& c : near_) gap = std::min(gap, c.gap);
@@ -285,9 +290,12 @@ double HullContacts::time_of_tips_and_crests(const Vec3& position, const Mat3& r
             if (c.gap > least_passed_by_) look_at(c);
     };
     set_time(horizon);
+    // who waits for all that is passed by forecasts contacts: they may close before anything touches
+    const bool culls = least_passed_by_ > 0.0;
     for (std::size_t k = 0; k < patch_.nodes.size(); ++k) {
         if (node_height_[k] < lowest_then || odometer_ + reach < node_free_until_[k]) continue;
-        if (keeps_above(plane_facing(position, patch_.nodes[k].position), position, rotation, flight, time)) continue;
+        if (culls && keeps_above(plane_facing(position, patch_.nodes[k].position), position, rotation, flight, time))
+            continue;
         near_.clear();
         passed_by_.clear();
         add_tip_contact(k, position, rotation, reach, near_);
@@ -298,7 +306,7 @@ double HullContacts::time_of_tips_and_crests(const Vec3& position, const Mat3& r
         const PatchEdge& edge = patch_.edges[k];
         const Vec3 nearest = edge.a + nearest_share(k, position) * (edge.b - edge.a);
         if ((nearest - position).squaredNorm() > (block_.radius + reach) * (block_.radius + reach)) continue;
-        if (keeps_above(plane_facing(position, nearest), position, rotation, flight, time)) continue;
+        if (culls && keeps_above(plane_facing(position, nearest), position, rotation, flight, time)) continue;
         near_.clear();
         passed_by_.clear();
         add_crest_contacts(k, position, rotation, reach, near_);
@@ -392,9 +400,11 @@ void HullContacts::advance_odometer(const Vec3& position, const Mat3& rotation) 
 
 void HullContacts::add_vertex_contacts(const Vec3& position, const Mat3& rotation, double reach,
                                        std::vector<Contact<3>>& contacts) {
-    for (Eigen::Index i = 0; i < block_.vertex_count(); ++i) {
-        if (height_[i] > reach) continue;
-        if (odometer_ + reach < vertex_free_until_[i]) continue;  // it was higher up than the block has moved since
+    // not those that were higher up than the block has moved since
+    const std::size_t count = vertices_in_reach(block_, height_.data(), reach, vertex_free_until_.data(),
+                                                odometer_ + reach, near_vertices_.data());
+    for (std::size_t k = 0; k < count; ++k) {
+        const Eigen::Index i = near_vertices_[k];
         Contact<3> contact;
         contact.arm = rotation * block_.vertex(i);
         const Vec3 p = position + contact.arm;
@@ -509,34 +519,48 @@ void HullContacts::add_crest_contacts(std::size_t k, const Vec3& position, const
         return;
     }
 
-    // minimise phi between a falling face (left) and a rising one (right), replacing one of them by the highest face where they meet
+    // minimise phi between a falling face (left) and a rising one (right), replacing one of them by the highest face where they meet; the two of the last
+    // look, or the highest at both ends
     face_lines(block_, crest.a, crest.d, face_value_.data(), face_slope_.data());
-    Eigen::Index left = 0, right = 0, top = 0;
-    farthest_on_line(block_, face_value_.data(), face_slope_.data(), 0.0, left);
-    farthest_on_line(block_, face_value_.data(), face_slope_.data(), 1.0, right);
-    // least at an end: the tip there touches, or the next crest; a face that lies almost flat across that end touches here with its other end
-    if (face_slope_[left] >= 0.0 || face_slope_[right] <= 0.0) {
-        const double end = face_slope_[left] >= 0.0 ? 0.0 : 1.0;
-        const Eigen::Index face = end == 0.0 ? left : right;
-        const double outside = face_value_[face] + end * face_slope_[face];
-        cut_ = std::max(cut_, -outside);
-        apart = {block_.normal(face), block_.offset[face], false};
-        if (outside > reach)
-            edge_free_until_[k] = odometer_ + outside * kOdometerShare;
-        else
-            add_far_end(crest, end, face, end == 0.0 ? +1.0 : -1.0, reach, rotation, contacts);
-        return;
-    }
+    const double *value = face_value_.data(), *slope = face_slope_.data();
+    auto [left, right] = edge_faces_[k];
     double t = 0.0, outside = 0.0;
-    for (int turn = 0; turn < 64; ++turn) {
-        t = (face_value_[right] - face_value_[left]) / (face_slope_[left] - face_slope_[right]);
-        const double phi = farthest_on_line(block_, face_value_.data(), face_slope_.data(), t, top);
-        outside = face_value_[left] + t * face_slope_[left];  // the minimum is no less
-        if (outside > reach || top == left || top == right || phi <= outside + 1e-14) break;
-        (face_slope_[top] < 0.0 ? left : right) = top;
+    auto meet = [&] {
+        t = (value[right] - value[left]) / (slope[left] - slope[right]);
+        outside = value[left] + t * slope[left];  // the minimum is no less
+    };
+    Eigen::Index top = 0;
+    bool found = false;
+    if (slope[left] < 0.0 && slope[right] > 0.0) {
+        meet();
+        found = t > 0.0 && t < 1.0 && farthest_on_line(block_, value, slope, t, top) <= outside + 1e-14;
+    }
+    if (!found) {
+        farthest_on_line(block_, value, slope, 0.0, left);
+        farthest_on_line(block_, value, slope, 1.0, right);
+        // least at an end: the tip there touches, or the next crest; a face that lies almost flat across that end touches here with its other end
+        if (slope[left] >= 0.0 || slope[right] <= 0.0) {
+            const double end = slope[left] >= 0.0 ? 0.0 : 1.0;
+            const Eigen::Index face = end == 0.0 ? left : right;
+            outside = value[face] + end * slope[face];
+            cut_ = std::max(cut_, -outside);
+            apart = {block_.normal(face), block_.offset[face], false};
+            if (outside > reach)
+                edge_free_until_[k] = odometer_ + outside * kOdometerShare;
+            else
+                add_far_end(crest, end, face, end == 0.0 ? +1.0 : -1.0, reach, rotation, contacts);
+            return;
+        }
+        for (int turn = 0; turn < 64; ++turn) {
+            meet();
+            const double phi = farthest_on_line(block_, value, slope, t, top);
+            if (outside > reach || top == left || top == right || phi <= outside + 1e-14) break;
+            (slope[top] < 0.0 ? left : right) = top;
+        }
+        edge_faces_[k] = {left, right};
     }
     // of left: the sum is perpendicular to the crest
-    const double share = -face_slope_[right] / (face_slope_[left] - face_slope_[right]);
+    const double share = -slope[right] / (slope[left] - slope[right]);
     const Vec3 outward = share * block_.normal(left) + (1.0 - share) * block_.normal(right);
     apart = {outward, share * block_.offset[left] + (1.0 - share) * block_.offset[right], false};
     if (outside > reach) {
@@ -544,8 +568,7 @@ void HullContacts::add_crest_contacts(std::size_t k, const Vec3& position, const
         return;
     }
     cut_ = std::max(cut_, -outside);
-    if (!add_crest_contact(crest, t, outward, left, right, reach, rotation, contacts) &&
-        face_value_[left] + t * face_slope_[left] < 0.0)
+    if (!add_crest_contact(crest, t, outward, left, right, reach, rotation, contacts) && outside < 0.0)
         add_cut_corner(edge, position, rotation, contacts);
     add_far_end(crest, t, right, +1.0, reach, rotation, contacts);
     add_far_end(crest, t, left, -1.0, reach, rotation, contacts);

@@ -7,6 +7,7 @@
 #include "scree/geometry/surface.hpp"
 
 #include <cstdint>
+#include <utility>
 #include <vector>
 
 namespace scree {
@@ -127,6 +128,7 @@ private:
     bool covered_ = false;
     bool beyond_rim_ = false;
     double cut_ = 0.0;
+    std::vector<std::pair<Eigen::Index, Eigen::Index>> edge_faces_;  ///< the two that were nearest to each crest
     std::vector<double> node_height_;  ///< of each tip of the patch over its plane: zero or less [m]
     std::vector<double> edge_height_;  ///< of the higher end of each crest [m]
     double odometer_ = 0.0;  ///< how far any point of the body can have moved since the start, from look to look [m]

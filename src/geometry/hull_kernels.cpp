@@ -123,6 +123,21 @@ private:
     Lanes most_, where_, number_;
 };
 
+/// Numbers of the vertices that a condition on groups of them holds for.
+template <class Condition>
+std::size_t list_vertices(const ConvexBlock& block, Eigen::Index* vertices, const Condition& condition) {
+    std::size_t count = 0;
+    for (Eigen::Index i = 0; i < block.x.size(); i += step()) {
+        const auto holds = condition(i);
+        if (hn::AllFalse(Tag(), holds)) continue;
+        HWY_ALIGN double each[ConvexBlock::kLanes];
+        hn::Store(hn::IfThenElseZero(holds, hn::Set(Tag(), 1.0)), Tag(), each);
+        for (Eigen::Index k = 0; k < step() && i + k < block.vertex_count(); ++k)
+            if (each[k] != 0.0) vertices[count++] = i + k;
+    }
+    return count;
+}
+
 double LowestHeight(const ConvexBlock& block, const double* height, const PlaneApproach& approach, double time,
                     Eigen::Index& vertex) {
     const LowestUntil lowest(block, height, approach, time);
@@ -134,16 +149,15 @@ double LowestHeight(const ConvexBlock& block, const double* height, const PlaneA
 std::size_t VerticesReaching(const ConvexBlock& block, const double* height, const PlaneApproach& approach, double time,
                              Eigen::Index* vertices) {
     const LowestUntil lowest(block, height, approach, time);
-    std::size_t count = 0;
-    for (Eigen::Index i = 0; i < block.x.size(); i += step()) {
-        const Lanes least = lowest(i);
-        if (hn::AllTrue(Tag(), hn::Gt(least, hn::Zero(Tag())))) continue;
-        HWY_ALIGN double each[ConvexBlock::kLanes];
-        hn::Store(least, Tag(), each);
-        for (Eigen::Index k = 0; k < step() && i + k < block.vertex_count(); ++k)
-            if (!(each[k] > 0.0)) vertices[count++] = i + k;
-    }
-    return count;
+    return list_vertices(block, vertices, [&](Eigen::Index i) { return hn::Le(lowest(i), hn::Zero(Tag())); });
+}
+
+std::size_t VerticesInReach(const ConvexBlock& block, const double* height, double most, const double* not_before,
+                            double now, Eigen::Index* vertices) {
+    const Lanes highest = hn::Set(Tag(), most), latest = hn::Set(Tag(), now);
+    return list_vertices(block, vertices, [&](Eigen::Index i) {
+        return hn::And(hn::Le(load(height, i), highest), hn::Le(load(not_before, i), latest));
+    });
 }
 
 double FarthestFace(const ConvexBlock& block, const Vec3& p, Eigen::Index& face) {
@@ -203,6 +217,7 @@ HWY_EXPORT(Support);
 HWY_EXPORT(SoonestArrival);
 HWY_EXPORT(LowestHeight);
 HWY_EXPORT(VerticesReaching);
+HWY_EXPORT(VerticesInReach);
 HWY_EXPORT(FarthestFace);
 HWY_EXPORT(FaceLines);
 HWY_EXPORT(FarthestOnLine);
@@ -224,6 +239,10 @@ double lowest_until(const ConvexBlock& block, const double* height, const PlaneA
 std::size_t vertices_reaching(const ConvexBlock& block, const double* height, const PlaneApproach& approach,
                               double time, Eigen::Index* vertices) {
     return HWY_DYNAMIC_DISPATCH(VerticesReaching)(block, height, approach, time, vertices);
+}
+std::size_t vertices_in_reach(const ConvexBlock& block, const double* height, double most, const double* not_before,
+                              double now, Eigen::Index* vertices) {
+    return HWY_DYNAMIC_DISPATCH(VerticesInReach)(block, height, most, not_before, now, vertices);
 }
 double farthest_face(const ConvexBlock& block, const Vec3& p, Eigen::Index& face) {
     return HWY_DYNAMIC_DISPATCH(FarthestFace)(block, p, face);

@@ -11,6 +11,10 @@ namespace scree {
 /// height[i] = n.p_i + offset of all vertices (filling included); returns the least.
 double plane_heights(const ConvexBlock& block, const Vec3& n, double offset, double* height);
 
+/// The vertices with height[i] <= most and not_before[i] <= now, in order; returns how many. `vertices` has room for all, filling included.
+std::size_t vertices_in_reach(const ConvexBlock& block, const double* height, double most, const double* not_before,
+                              double now, Eigen::Index* vertices);
+
 /// Largest n.p_i over the vertices: how far the block reaches in the direction n.
 double support(const ConvexBlock& block, const Vec3& n);
 
