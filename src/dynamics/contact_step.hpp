@@ -144,6 +144,9 @@ public:
         return report;
     }
 
+    /// The next contacts are new ones.
+    void forget() { memory_.clear(); }
+
     /// Normal impulse of contact c in the last solution [N s].
     double normal_impulse(std::size_t c) const { return room_->impulse[static_cast<Eigen::Index>(c) * kLocal]; }
     std::span<const Contact<Dim>> contacts() const { return contacts_; }

@@ -69,7 +69,7 @@ private:
     // ---- event mode ----------------------------------------------------------------------------------------------------------
 
     void run_events() {
-        finder_.detect(state_.position, rotation_matrix(state_.orientation), settings_.activation_gap, closed_);
+        finder_.detect(state_.position, rotation_of(state_), settings_.activation_gap, closed_);
         while (!finished_) {
             if (closed_.empty()) {
                 fly();
@@ -146,6 +146,15 @@ private:
         if (effects_->held()) finish(StopReason::AtRest);
     }
 
+    /// A step begins where the look at the end of the one before has been: sines and cosines are kept.
+    const typename Space<Dim>::Rotation& rotation_of(const State& s) {
+        if (!same(s.orientation, turned_to_)) {
+            turned_to_ = s.orientation;
+            rotation_ = rotation_matrix(s.orientation);
+        }
+        return rotation_;
+    }
+
     double fastest_point(const State& s) const { return s.velocity.norm() + s.spin.norm() * finder_.radius(); }
 
     State flown_state(const State& s, double dt) const {
@@ -157,9 +166,7 @@ private:
     }
 
     /// found_ becomes all contacts up to the release gap.
-    void find_contacts(const State& s) {
-        finder_.detect(s.position, rotation_matrix(s.orientation), settings_.release_gap, found_);
-    }
+    void find_contacts(const State& s) { finder_.detect(s.position, rotation_of(s), settings_.release_gap, found_); }
 
     /// When, between `before` and `after` (overlapping, dt later), the first gap closes. If the block overlaps already at the start, a short while later.
     double closing_time(const State& before, const State& after, double dt) {
@@ -180,7 +187,7 @@ private:
     /// Smallest gap, looking as far as the block can move in dt.
     double wide_gap(const State& s, double dt) {
         double smallest = 1e-3 + 2.0 * dt * fastest_point(s);
-        finder_.detect(s.position, rotation_matrix(s.orientation), smallest, found_);
+        finder_.detect(s.position, rotation_of(s), smallest, found_);
         for (const auto& c : found_) smallest = std::min(smallest, c.gap);
         return smallest;
     }
@@ -210,7 +217,7 @@ private:
     /// face each other, as in a narrow gully, it may have no solution: the restitution of the impact is then lowered to the largest share of e, within
     /// 1/64, with which neither happens.
     bool impact() {
-        step_.set_contacts(closed_, rotation_matrix(state_.orientation));
+        step_.set_contacts(closed_, rotation_of(state_));
         bool fast = false;
         for (std::size_t c = 0; c < closed_.size(); ++c)
             fast = fast || step_.normal_velocity(c, state_) < -settings_.impact_speed;
@@ -251,7 +258,7 @@ private:
             approach_.push_back(std::max(0.0, -step_.normal_velocity(c, state_)));
         if (time_ > last_impact_) {
             struck_ = closed_;
-            if (effects_->tilt(state_, struck_)) step_.set_contacts(struck_, rotation_matrix(state_.orientation));
+            if (effects_->tilt(state_, struck_)) step_.set_contacts(struck_, rotation_of(state_));
         }
         last_impact_ = time_;
         change_laws(state_);
@@ -304,9 +311,14 @@ private:
         State after = before;
         step_.look_ahead(before, h);
         count(step_.solve(h, drive(h, after), RestitutionRule{}, after));
+        move(before, h, after);
+        return after;
+    }
+
+    /// Pose after a step of length h with the mean of the velocities at both ends.
+    static void move(const State& before, double h, State& after) {
         after.position = before.position + 0.5 * h * (before.velocity + after.velocity);
         after.orientation = turned(before.orientation, Spin(0.5 * h * (before.spin + after.spin)));
-        return after;
     }
 
     /// Acceleration in a step with the closed contacts; drag takes its part of the velocity.
@@ -420,7 +432,7 @@ private:
         State s = state_;
         s.velocity.setZero();
         s.spin.setZero();
-        step_.set_contacts(closed_, rotation_matrix(state_.orientation));
+        step_.set_contacts(closed_, rotation_of(state_));
         if (effects_) change_laws(s);
         count(step_.solve(settings_.time_step, gravity_, RestitutionRule{}, s));
         std::size_t main = 0;
@@ -435,16 +447,21 @@ private:
     void run_moreau_jean() {
         const double h = settings_.time_step;
         while (!finished_) {
+            const bool in_contact = forecast_contacts(state_, h);
+            if (!in_contact && free_for(2.0 * h)) {
+                fly_step(h);
+                check();
+                continue;
+            }
             const State before = state_;
             const double energy_before = energy(before);
-            MotionSegment<Dim> motion = begin_segment(forecast_contacts(before, h));
-            step_.set_contacts(closed_, closed_.empty() ? typename Space<Dim>::Rotation()
-                                                        : rotation_matrix(predicted(before, h).orientation));
+            MotionSegment<Dim> motion = begin_segment(in_contact);
+            step_.set_contacts(closed_, rotation_of(predicted_));
             if (effects_) change_laws(before);
             State after = before;
-            count(step_.solve(h, drive(h, after), RestitutionRule{1.0, 0.0}, after));
-            after.position = before.position + 0.5 * h * (before.velocity + after.velocity);
-            after.orientation = turned(before.orientation, Spin(0.5 * h * (before.spin + after.spin)));
+            const ContactSolverReport report = step_.solve(h, drive(h, after), RestitutionRule{1.0, 0.0}, after);
+            if (in_contact) count(report);
+            move(before, h, after);
             state_ = after;
             if (!closed_.empty()) {
                 ++end_.counters.contact_steps;
@@ -463,6 +480,25 @@ private:
         }
     }
 
+    /// True if surely nothing closes for so long.
+    bool free_for(double duration) const { return time_ + duration <= free_until_; }
+
+    /// A step of the scheme in which surely nothing closes.
+    void fly_step(double h) {
+        MotionSegment<Dim> motion = begin_segment(false);
+        const State before = state_;
+        const double energy_before = energy(before);
+        state_.velocity += h * gravity_;
+        state_.spin = free_spin(body_.moment, before.spin, spin_response(body_.moment, before.spin, h), h);
+        move(before, h, state_);
+        step_.forget();
+        const double rise = (energy(state_) - energy_before) / (body_.mass * settings_.gravity);
+        end_.counters.largest_energy_rise = std::max(end_.counters.largest_energy_rise, rise);
+        end_segment(motion, h);
+        if (!finder_.over_terrain(state_.position) || finder_.beyond_rim()) finish(StopReason::LeftTerrain);
+        if (time_ >= settings_.time_limit) finish(StopReason::TimeLimit);
+    }
+
     State predicted(const State& s, double h) const {
         State p = s;
         p.position += h * s.velocity;
@@ -475,27 +511,30 @@ private:
     bool forecast_contacts(const State& s, double h) {
         // in flight a gap forecast by half a step closes less than a step early; drag and crossings change flights as they go
         if (closed_.empty() && !effects_) {
-            if (time_ + 2.0 * h <= free_until_) return false;
+            if (free_for(2.0 * h)) return false;
             const double spin_bound = std::sqrt(2.0 * rotation_energy(body_, s.spin) / body_.moment.minCoeff());
             double gap = 0.0;
             free_until_ = time_ + finder_.free_time(s, spin_bound, settings_.gravity, drag_, gap);
-            if (time_ + 2.0 * h <= free_until_) return false;
+            if (free_for(2.0 * h)) return false;
         }
         closed_.clear();
         const double reach = h * fastest_point(s);
-        if (finder_.clearance(s.position, rotation_matrix(s.orientation)) > reach) return false;
-        finder_.detect(s.position, rotation_matrix(s.orientation), reach, previous_);
+        finder_.detect(s.position, rotation_of(s), reach, previous_);
         if (previous_.empty()) return false;
-        step_.set_contacts(previous_, rotation_matrix(s.orientation));
-        const State p = predicted(s, h);
-        finder_.detect(p.position, rotation_matrix(p.orientation), 4.0 * reach + settings_.release_gap, found_);
-        for (std::size_t c = 0; c < previous_.size(); ++c) {
-            if (previous_[c].gap + 0.5 * h * step_.normal_velocity(c, s) > 0.0) continue;
+        step_.set_contacts(previous_, rotation_of(s));
+        auto closes = [&](std::size_t c) { return previous_[c].gap + 0.5 * h * step_.normal_velocity(c, s) <= 0.0; };
+        std::size_t first = 0;
+        while (first < previous_.size() && !closes(first)) ++first;
+        if (first == previous_.size()) return false;
+        predicted_ = predicted(s, h);
+        finder_.detect(predicted_.position, rotation_of(predicted_), 4.0 * reach + settings_.release_gap, found_);
+        for (std::size_t c = first; c < previous_.size(); ++c) {
+            if (!closes(c)) continue;
             const auto same = std::find_if(found_.begin(), found_.end(),
                                            [&](const Contact<Dim>& f) { return same_pair(f.key, previous_[c].key); });
             closed_.push_back(same != found_.end() ? *same : previous_[c]);
         }
-        return !closed_.empty();
+        return true;
     }
 
     // ---- bookkeeping ----------------------------------------------------------------------------------------------------------
@@ -582,8 +621,11 @@ private:
     Vec drag_ = Vec::Zero();   ///< the part of it that is not gravity [m/s^2]
     double last_impact_ = -1;  ///< when the block was struck last [s]
     State state_;
+    typename Space<Dim>::Orientation turned_to_ = Space<Dim>::identity();  ///< of rotation_
+    typename Space<Dim>::Rotation rotation_ = Space<Dim>::Rotation::Identity();
     double time_ = 0.0;
     RestWatch<Dim> rest_;
+    State predicted_;                 ///< at the end of the step, by its first velocities; moreau_jean only
     double free_until_ = -kInfinity;  ///< no contact closes before; moreau_jean only [s]
     int impacts_in_a_row_ = 0;
     std::int64_t turns_ = 0;

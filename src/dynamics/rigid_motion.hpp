@@ -45,6 +45,13 @@ inline double turned(double angle, const Space<2>::Spin& by) {
     return angle + by[0];
 }
 
+inline bool same(const Quat& a, const Quat& b) {
+    return a.coeffs() == b.coeffs();
+}
+inline bool same(double a, double b) {
+    return a == b;
+}
+
 /// Gyroscopic torque I Omega x Omega, body frame [N m] (B&A eq. 5).
 inline Vec3 gyroscopic_torque(const Vec3& moment, const Vec3& spin) {
     return moment.cwiseProduct(spin).cross(spin);
