@@ -351,7 +351,7 @@ private:
         const double unseen = kMoveUnseen * finder_.inner_radius() / std::max(fastest_point(before), 1e-9);
         const int looks = std::max(1, static_cast<int>(std::ceil(h / unseen)));
         for (int k = 1; k <= looks; ++k) {
-            const double t = h * k / looks;
+            const double t = k == looks ? h : h * k / looks;  // not by rounding beyond the step: it would not be cut
             if (new_overlap(k == looks ? after : on_the_way(before, after, h, t)) > settings_.activation_gap) return t;
         }
         return kInfinity;
