@@ -305,7 +305,7 @@ bool Diagnoser::settle_base(Diagnosis& d) {
     return follow(without) && move_base(d, without);
 }
 
-/// A calibration makes up for what is missing, with parameters at which the missing effect may be out of sight: a rolling resistance that grows with size
+/// Where nothing that was followed could have produced the measurements: a calibration makes up for what is missing, with parameters at which the missing effect may be out of sight: a rolling resistance that grows with size
 /// does nothing where none is left; or it has settled in the wrong valley. The same look again from the parameters that were given before the calibration.
 bool Diagnoser::follow_from_given(Diagnosis& d, std::vector<Hypothesis>& followed) {
     planned_ += of_base() + (1 + settings_.finalists) * of_finalist();
@@ -414,7 +414,9 @@ Diagnosis Diagnoser::run(Of of) {
     for (Hypothesis& h : followed)
         if (!follow(h)) return d;
     if (measured && rejected(d)) conclude(d, followed);
-    if (measured && rejected(d) && d.verdict == Verdict::Unknown && !problem_.given.empty()) {
+    const bool explained =
+        std::any_of(followed.begin(), followed.end(), [&](const Hypothesis& h) { return h.p > settings_.rejected; });
+    if (measured && rejected(d) && !explained && !problem_.given.empty()) {
         if (!follow_from_given(d, followed)) return d;
         if (rejected(d)) conclude(d, followed);
     }
