@@ -66,7 +66,7 @@ struct DiagnosisProblem {
 struct DiagnosisSettings {
     std::uint64_t seed = 1;
     std::int64_t reference_repeats = 150;  ///< of every block by the calibrated model [-]
-    std::int64_t repeats = 50;  ///< of every block, per derivative and fingerprint: fewer blur what is visible [-]
+    std::int64_t repeats = 20;  ///< of every block, per derivative and fingerprint: fewer blur what is visible [-]
     std::int64_t draws = 999;   ///< of chance [-]
     double level = 0.05;        ///< share of models without a flaw that are rejected [-]
     std::size_t finalists = 6;  ///< effects that are simulated at their best strength [-]
