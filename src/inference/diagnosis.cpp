@@ -29,6 +29,8 @@ constexpr int kRecentrings = 2;
 constexpr double kLeastMove = 1.5;
 /// Telling steps, in standard deviations of the parameter if all else were known; how many times as long steps are too far [-]; and the shortest, of a range [-].
 constexpr double kTellingStep = 1.5, kFarStep = 2.0, kLeastStep = 0.005;
+/// Draws of chance as extreme as what is measured, with that itself, below which a model is far off [-].
+constexpr double kAsRareAsCanBe = 1.5;
 /// What another place for the parameters must leave less to be looked at, of Q [-].
 constexpr double kWorthMoving = 8.0;
 
@@ -416,7 +418,9 @@ Diagnosis Diagnoser::run(Of of) {
     if (measured && rejected(d)) conclude(d, followed);
     const bool explained =
         std::any_of(followed.begin(), followed.end(), [&](const Hypothesis& h) { return h.p > settings_.rejected; });
-    if (measured && rejected(d) && !explained && !problem_.given.empty()) {
+    // a strong effect may be far from what its fingerprint near the calibrated model tells, and another may make do in its place
+    const bool far_off = d.test.p * static_cast<double>(settings_.draws + 1) < kAsRareAsCanBe;
+    if (measured && rejected(d) && (!explained || far_off) && !problem_.given.empty()) {
         if (!follow_from_given(d, followed)) return d;
         if (rejected(d)) conclude(d, followed);
     }
