@@ -20,8 +20,17 @@ inline std::size_t design_size(std::size_t parameters) {
 /// run tells about every factor, so the noise of a derivative is that of all runs together, and curvature cancels.
 Eigen::MatrixXd design_of(std::size_t factors);
 
-/// Share of a derivative's squared length that is taken for noise, at most [-].
-inline constexpr double kMostNoise = 0.5;
+/// Derivatives of the mean residual, from simulations all around a place.
+struct Slopes {
+    Eigen::MatrixXd directions;  ///< one column per parameter
+    Eigen::VectorXd
+        noise;  ///< what the noise of the simulations adds to the squared length of each, over the covariance of the measured mean [-]
+    Eigen::VectorXd at_place;  ///< mean residual at the place itself
+};
+/// By least squares with a constant: at the end of a range one side is missing. One row per simulation: how far its parameters are from the place,
+/// and its mean residual; `rows_over` measured rows per row of one simulation.
+Slopes slopes_of(Eigen::MatrixXd moved, Eigen::MatrixXd means, double rows_over);
+
 /// A finalist that is no effect: the model itself.
 inline constexpr std::size_t kNoEffect = static_cast<std::size_t>(-1);
 /// One effect, or none, with its parameters, as far as it has been followed.
@@ -57,9 +66,9 @@ private:
     bool build_space(std::span<const Residual> residuals = {});
     bool differentiate();
     bool differentiate_over(const Eigen::VectorXd& step);
-    Eigen::VectorXd telling_steps(const Eigen::MatrixXd& directions, const Eigen::MatrixXd& covariance,
-                                  const Eigen::MatrixXd& together, const Eigen::VectorXd& noise) const;
-    void take_jacobian();
+    Eigen::VectorXd telling_steps(const Slopes& slopes, const Eigen::MatrixXd& covariance,
+                                  const Eigen::MatrixXd& together) const;
+    void take_slopes();
     bool recentre();
     std::optional<Fingerprint> take_fingerprint(const EffectDose& dose, std::int64_t repeats);
     bool take_fingerprints();
@@ -67,27 +76,20 @@ private:
     std::size_t fingerprint_of(const EffectFinding& f) const;
     std::vector<EffectFinding> findings(const ScoreResult& score, double z_limit) const;
     std::vector<Hypothesis> finalists(const std::vector<EffectFinding>& findings) const;
-    /// A simulation, and what is measured seen from there.
-    struct Point {
-        Eigen::VectorXd at;          ///< parameters, then the strength if there is an effect
-        Eigen::MatrixXd covariance;  ///< of single rows
-        ResidualMean observed;
-    };
     /// Simulations all around a place, and what is measured seen from there.
     struct Survey {
-        Eigen::VectorXd at, step;    ///< parameters, then the strength if there is an effect; step in each of them
-        Eigen::MatrixXd directions;  ///< derivatives of the mean residual
+        Eigen::VectorXd at, step;  ///< parameters, then the strength if there is an effect; step in each of them
+        Slopes slopes;
         ResidualRows rows;           ///< of all its simulations
         Eigen::MatrixXd covariance;  ///< of single rows
         ResidualMean observed;
-        Eigen::VectorXd left;   ///< what is measured less what is simulated at `at`
-        Eigen::VectorXd noise;  ///< of the derivatives: what it adds to the squared length of each
+        Eigen::VectorXd left;  ///< what is measured less what is simulated at `at`
     };
     bool survey(Survey& s, std::size_t fingerprint);
     Eigen::VectorXd within(Eigen::VectorXd at, std::size_t fingerprint) const;
     double most_of(std::size_t fingerprint) const;
     std::vector<EffectDose> dose_of(std::size_t fingerprint, const Eigen::VectorXd& at) const;
-    bool look(Point& p, std::size_t fingerprint, std::int64_t repeats);
+    std::optional<double> left_at(double strength, std::size_t fingerprint);
     std::optional<std::vector<Hypothesis>> strong_finalists();
     bool follow(Hypothesis& h);
     bool rejected(const Diagnosis& d) const { return d.test.p <= settings_.level; }
@@ -116,8 +118,7 @@ private:
         ResidualMean observed;
         std::vector<Nearby> nearby;
         Eigen::VectorXd step;  ///< of the simulations around
-        Eigen::MatrixXd jacobian;
-        Eigen::VectorXd noise;          ///< of the jacobian: what it adds to the squared length of each column
+        Slopes slopes;
         std::optional<ScoreTest> test;  ///< with the fingerprints
     };
     Base base_;

@@ -43,16 +43,28 @@ Eigen::MatrixXd design_of(std::size_t factors) {
     return signs;
 }
 
-/// Simulates p.at and sees what is measured in the residual space of that.
-bool Diagnoser::look(Point& p, std::size_t fingerprint, std::int64_t repeats) {
-    const Eigen::Index count = base_.parameters.size();
-    auto table = simulate("finalists", p.at.head(count), dose_of(fingerprint, p.at), repeats);
-    if (!table) return false;
+Slopes slopes_of(Eigen::MatrixXd moved, Eigen::MatrixXd means, double rows_over) {
+    const Eigen::VectorXd centre = moved.colwise().mean(), mean = means.colwise().mean();
+    moved.rowwise() -= centre.transpose();
+    means.rowwise() -= mean.transpose();
+    const Eigen::MatrixXd squares = moved.transpose() * moved;
+    Slopes s;
+    s.directions = squares.ldlt().solve(moved.transpose() * means).transpose();
+    s.noise = static_cast<double>(means.cols()) * rows_over * squares.diagonal().cwiseMax(1e-12).cwiseInverse();
+    s.at_place = mean - s.directions * centre;
+    return s;
+}
+
+/// Q at the parameters of the base with an effect, parameters free to absorb; seen in the residual space of that very simulation.
+std::optional<double> Diagnoser::left_at(double strength, std::size_t fingerprint) {
+    EffectDose dose = variants_[fingerprint];
+    dose.strength = strength;
+    auto table = simulate("finalists", base_.parameters, {dose}, settings_.repeats);
+    if (!table) return std::nullopt;
     const ResidualSpace space(std::move(*table), measured_, problem_.blocks, settings_.residuals,
                               base_.space->residuals());
-    p.covariance = row_covariance(space);
-    p.observed = mean_residual(space.of(measured_));
-    return true;
+    return ScoreTest(row_covariance(space), base_.slopes.directions, deviation_, {})(mean_residual(space.of(measured_)))
+        .q;
 }
 
 /// Finalists by what they leave at the strength that leaves least: a strong effect may be far from what its fingerprint at the reference strength tells.
@@ -73,23 +85,20 @@ std::optional<std::vector<Hypothesis>> Diagnoser::strong_finalists() {
         if (!base_.test->fingerprints()[k].judged || scanned_of[v.effect] == kScannedOfOne) continue;
         ++scanned_of[v.effect];
         ++scanned;
-        const double most = problem_.effects[v.effect].variants[v.variant].most;
+        const double most = most_of(k);
         double last = kInfinity;
         for (double strength = std::min(1.0, most);; strength = std::min(kGrow * strength, most)) {
-            Point p;
-            p.at.resize(base_.parameters.size() + 1);
-            p.at << base_.parameters, strength;
-            if (!look(p, k, settings_.repeats)) return std::nullopt;
-            const double q = ScoreTest(p.covariance, base_.jacobian, deviation_, {})(p.observed).q;
-            if (q < best[v.effect].q) {
+            const std::optional<double> q = left_at(strength, k);
+            if (!q) return std::nullopt;
+            if (*q < best[v.effect].q) {
                 best[v.effect].fingerprint = k;
                 best[v.effect].parameters = base_.parameters;
                 best[v.effect].strength = strength;
-                best[v.effect].q = q;
+                best[v.effect].q = *q;
                 best[v.effect].from_given = true;
             }
-            if (q >= last || strength >= most) break;
-            last = q;
+            if (*q >= last || strength >= most) break;
+            last = *q;
         }
     }
     std::vector<Hypothesis> chosen;
@@ -100,8 +109,7 @@ std::optional<std::vector<Hypothesis>> Diagnoser::strong_finalists() {
     return chosen;
 }
 
-/// Simulations all around `at`, a step away in every direction; measured and simulated rows are seen in the residual space of all of them. Derivatives by least squares
-/// with a constant: at the end of a range one side is missing.
+/// Simulations all around `at`, a step away in every direction; measured and simulated rows are seen in the residual space of all of them.
 bool Diagnoser::survey(Survey& s, std::size_t fingerprint) {
     const Eigen::Index count = base_.parameters.size();
     const Eigen::MatrixXd signs = design_of(static_cast<std::size_t>(s.at.size()));
@@ -131,19 +139,13 @@ bool Diagnoser::survey(Survey& s, std::size_t fingerprint) {
                    to = static_cast<Eigen::Index>(first[static_cast<std::size_t>(run) + 1]);
         means.row(run) = mean_residual(space.of_reference().middleRows(from, to - from)).mean;
     }
-    const Eigen::VectorXd centre = moved.colwise().mean(), mean = means.colwise().mean();
-    moved.rowwise() -= centre.transpose();
-    means.rowwise() -= mean.transpose();
-    const Eigen::MatrixXd squares = moved.transpose() * moved;
-    s.directions = squares.ldlt().solve(moved.transpose() * means).transpose();
     s.rows = space.of_reference();
     s.covariance = row_covariance(space);
     s.observed = mean_residual(space.of(measured_));
-    s.left = s.observed.mean - (mean - s.directions * centre);
-    // every column of the derivatives carries the noise of the runs: as many residuals as there are, each with the variance of its rows
-    const double rows = static_cast<double>(space.of_reference().rows()) / static_cast<double>(signs.rows());
-    s.noise = static_cast<double>(means.cols()) * s.observed.together.diagonal().maxCoeff() / rows *
-              squares.diagonal().cwiseMax(1e-12).cwiseInverse();
+    s.slopes = slopes_of(std::move(moved), std::move(means),
+                         s.observed.together.diagonal().maxCoeff() * static_cast<double>(signs.rows()) /
+                             static_cast<double>(s.rows.rows()));
+    s.left = s.observed.mean - s.slopes.at_place;
     return true;
 }
 
@@ -178,11 +180,10 @@ bool Diagnoser::follow(Hypothesis& h) {
     Survey s, best;
     s.at = start;
     s.step = base_.step;
-    s.directions = base_.jacobian;
+    s.slopes = base_.slopes;
     s.covariance = row_covariance(*base_.space);
     s.observed = base_.observed;
     s.left = base_.observed.mean;
-    s.noise = base_.noise;
     if (any) {
         const Fingerprint& f = base_.test->fingerprints()[h.fingerprint];
         const double seen = (*base_.test)(base_.observed).visibility[static_cast<Eigen::Index>(h.fingerprint)],
@@ -191,10 +192,8 @@ bool Diagnoser::follow(Hypothesis& h) {
         s.step[count] = std::clamp(std::max(kStrengthStep / std::max(seen, 1e-9), kStrengthShare * h.strength),
                                    kLeastStrength * most, kMostStrengthStep * most);
         s.at[count] = h.strength;
-        s.directions.conservativeResize(Eigen::NoChange, size);
-        s.directions.col(count) = f.change;
-        s.noise.conservativeResize(size);
-        s.noise[count] = static_cast<double>(f.change.size()) * s.observed.together.diagonal().maxCoeff() / f.rows;
+        s.slopes.directions.conservativeResize(Eigen::NoChange, size);
+        s.slopes.directions.col(count) = f.change;
     }
     struct Step {
         Eigen::VectorXd by;
@@ -202,8 +201,8 @@ bool Diagnoser::follow(Hypothesis& h) {
     };
     const auto step_from = [&](const Survey& at) {
         const Eigen::LLT<Eigen::MatrixXd> factor(mean_covariance(at.covariance, at.observed.together));
-        const Eigen::MatrixXd WD = factor.solve(at.directions);
-        Eigen::MatrixXd information = at.directions.transpose() * WD;
+        const Eigen::MatrixXd WD = factor.solve(at.slopes.directions);
+        Eigen::MatrixXd information = at.slopes.directions.transpose() * WD;
         information.diagonal() += prior;
         const Eigen::VectorXd pull = WD.transpose() * at.left;
         Step step;
@@ -238,7 +237,7 @@ bool Diagnoser::follow(Hypothesis& h) {
         }
         if (step.gain < kSettled) break;
         go(step);
-        s.step.head(count) = telling_steps(s.directions, s.covariance, s.observed.together, s.noise);
+        s.step.head(count) = telling_steps(s.slopes, s.covariance, s.observed.together);
     }
     h.p = goodness_of_fit(best);
     return true;
@@ -247,10 +246,10 @@ bool Diagnoser::follow(Hypothesis& h) {
 /// How often as many rows of the simulations themselves leave as much, with parameters and strength free for them, too.
 double Diagnoser::goodness_of_fit(const Survey& survey) const {
     std::vector<Fingerprint> effect;
-    for (Eigen::Index k = deviation_.size(); k < survey.directions.cols(); ++k)
-        effect.push_back({survey.directions.col(k), kInfinity});
+    for (Eigen::Index k = deviation_.size(); k < survey.slopes.directions.cols(); ++k)
+        effect.push_back({survey.slopes.directions.col(k), kInfinity});
     const ResidualRows& rows = survey.rows;
-    const ScoreTest own(survey.covariance, survey.directions.leftCols(deviation_.size()), deviation_,
+    const ScoreTest own(survey.covariance, survey.slopes.directions.leftCols(deviation_.size()), deviation_,
                         std::move(effect));
     auto misfit = [&](const ResidualMean& r) {
         const ScoreResult s = own(r);

@@ -29,8 +29,8 @@ constexpr int kRecentrings = 2;
 constexpr double kLeastMove = 1.5;
 /// Telling steps, in standard deviations of the parameter if all else were known; how many times as long steps are too far [-]; and the shortest, of a range [-].
 constexpr double kTellingStep = 1.5, kFarStep = 2.0, kLeastStep = 0.005;
-/// Draws of chance as extreme as what is measured, with that itself, below which a model is far off [-].
-constexpr double kAsRareAsCanBe = 1.5;
+/// Share of a derivative's squared length that is taken for noise, at most [-].
+constexpr double kMostNoise = 0.5;
 /// What another place for the parameters must leave less to be looked at, of Q [-].
 constexpr double kWorthMoving = 8.0;
 
@@ -92,8 +92,7 @@ bool Diagnoser::build_space(std::span<const Residual> residuals) {
 bool Diagnoser::differentiate() {
     base_.step = to_vector(problem_.step);
     if (!differentiate_over(base_.step)) return false;
-    const Eigen::VectorXd telling =
-        telling_steps(base_.jacobian, row_covariance(*base_.space), base_.observed.together, base_.noise);
+    const Eigen::VectorXd telling = telling_steps(base_.slopes, row_covariance(*base_.space), base_.observed.together);
     const bool far = (base_.step.array() > kFarStep * telling.array()).any();
     base_.step = telling;
     return !far || differentiate_over(telling);
@@ -108,35 +107,30 @@ bool Diagnoser::differentiate_over(const Eigen::VectorXd& step) {
         if (!table) return false;
         base_.nearby.push_back({std::move(at), std::move(*table)});
     }
-    take_jacobian();
+    take_slopes();
     return true;
 }
 
-/// The derivatives in the residual space of the reference: least squares with a constant, because at the end of a range one side is missing.
-void Diagnoser::take_jacobian() {
+/// The derivatives in the residual space of the reference.
+void Diagnoser::take_slopes() {
     const auto runs = static_cast<Eigen::Index>(base_.nearby.size());
     Eigen::MatrixXd moved(runs, base_.parameters.size()), means(runs, base_.observed.mean.size());
     for (Eigen::Index k = 0; k < runs; ++k) {
         const Nearby& n = base_.nearby[static_cast<std::size_t>(k)];
-        moved.row(k) = n.parameters;
+        moved.row(k) = n.parameters - base_.parameters;
         means.row(k) = mean_residual(base_.space->of(n.table)).mean;
     }
-    moved.rowwise() -= moved.colwise().mean().eval();
-    means.rowwise() -= means.colwise().mean().eval();
-    const Eigen::MatrixXd squares = moved.transpose() * moved;
-    base_.jacobian = squares.ldlt().solve(moved.transpose() * means).transpose();
-    base_.noise = static_cast<double>(means.cols()) / static_cast<double>(settings_.repeats) *
-                  squares.diagonal().cwiseMax(1e-12).cwiseInverse();
+    base_.slopes = slopes_of(std::move(moved), std::move(means), 1.0 / static_cast<double>(settings_.repeats));
 }
 
 /// Steps of parameters by which a measured test of this size would tell two models apart, if all else were known.
-Eigen::VectorXd Diagnoser::telling_steps(const Eigen::MatrixXd& directions, const Eigen::MatrixXd& covariance,
-                                         const Eigen::MatrixXd& together, const Eigen::VectorXd& noise) const {
+Eigen::VectorXd Diagnoser::telling_steps(const Slopes& slopes, const Eigen::MatrixXd& covariance,
+                                         const Eigen::MatrixXd& together) const {
     const Eigen::Index count = base_.parameters.size();
-    const Eigen::MatrixXd J = directions.leftCols(count);
-    const Eigen::VectorXd squared =
-        J.cwiseProduct(Eigen::LLT<Eigen::MatrixXd>(mean_covariance(covariance, together)).solve(J)).colwise().sum();
-    const Eigen::ArrayXd information = (squared - noise.head(count)).cwiseMax((1.0 - kMostNoise) * squared).array();
+    const Eigen::MatrixXd J = slopes.directions.leftCols(count);
+    const Eigen::LLT<Eigen::MatrixXd> factor(mean_covariance(covariance, together));
+    const Eigen::VectorXd squared = J.cwiseProduct(factor.solve(J)).colwise().sum();
+    const Eigen::ArrayXd information = (squared - slopes.noise.head(count)).cwiseMax((1.0 - kMostNoise) * squared);
     return (kTellingStep / information.max(1e-24).sqrt()).min(to_vector(problem_.step).array()).max(kLeastStep);
 }
 
@@ -144,23 +138,23 @@ Eigen::VectorXd Diagnoser::telling_steps(const Eigen::MatrixXd& directions, cons
 /// parameters, as long as that leaves less.
 bool Diagnoser::recentre() {
     for (int round = 0; round < kRecentrings; ++round) {
-        const ScoreTest test(row_covariance(*base_.space), base_.jacobian, deviation_, {});
+        const ScoreTest test(row_covariance(*base_.space), base_.slopes.directions, deviation_, {});
         const ScoreResult score = test(base_.observed);
         const Eigen::VectorXd before = base_.parameters;
         if (!((score.shift.array() / score.shift_deviation.array()).abs().maxCoeff() > kLeastMove)) return true;
         std::optional<ResidualSpace> kept;
         kept.swap(base_.space);
         const ResidualMean observed = base_.observed;
-        const Eigen::MatrixXd jacobian = base_.jacobian;
+        const Slopes slopes = base_.slopes;
         base_.parameters = within_ranges(base_.parameters + score.shift);
         if (!build_space()) return false;
-        take_jacobian();
-        const ScoreTest moved(row_covariance(*base_.space), base_.jacobian, deviation_, {});
+        take_slopes();
+        const ScoreTest moved(row_covariance(*base_.space), base_.slopes.directions, deviation_, {});
         if (moved(base_.observed).q < score.q) continue;
         base_.parameters = before;
         base_.space.swap(kept);
         base_.observed = observed;
-        base_.jacobian = jacobian;
+        base_.slopes = slopes;
         return true;
     }
     return true;
@@ -186,7 +180,8 @@ bool Diagnoser::take_fingerprints() {
         auto fingerprint = take_fingerprint(dose, settings_.repeats);
         for (int again = 0; fingerprint && again < kTakenAgain; ++again) {
             const double seen =
-                ScoreTest(covariance, base_.jacobian, deviation_, {*fingerprint})(base_.observed).visibility[0];
+                ScoreTest(covariance, base_.slopes.directions, deviation_, {*fingerprint})(base_.observed)
+                    .visibility[0];
             const double better = std::min(kModerate / std::max(seen, 1e-9), most), factor = better / dose.strength;
             if (factor > 1.0 / kOtherStrength && factor < kOtherStrength) break;
             dose.strength *= std::min(factor, kMostGrowth);
@@ -195,11 +190,10 @@ bool Diagnoser::take_fingerprints() {
         if (!fingerprint) return false;
         fingerprints.push_back(std::move(*fingerprint));
     }
-    base_.test.emplace(covariance, base_.jacobian, deviation_, std::move(fingerprints));
+    base_.test.emplace(covariance, base_.slopes.directions, deviation_, std::move(fingerprints));
     const ScoreResult score = (*base_.test)(base_.observed);
     for (std::size_t k = 0; k < variants_.size(); ++k) {
-        const double most = problem_.effects[variants_[k].effect].variants[variants_[k].variant].most;
-        base_.test->judge(k, score.visibility[static_cast<Eigen::Index>(k)] * most >= kLeastVisible);
+        base_.test->judge(k, score.visibility[static_cast<Eigen::Index>(k)] * most_of(k) >= kLeastVisible);
     }
     return true;
 }
@@ -419,7 +413,7 @@ Diagnosis Diagnoser::run(Of of) {
     const bool explained =
         std::any_of(followed.begin(), followed.end(), [&](const Hypothesis& h) { return h.p > settings_.rejected; });
     // a strong effect may be far from what its fingerprint near the calibrated model tells, and another may make do in its place
-    const bool far_off = d.test.p * static_cast<double>(settings_.draws + 1) < kAsRareAsCanBe;
+    const bool far_off = d.test.p <= 1.0 / (static_cast<double>(settings_.draws) + 1.0);
     if (measured && rejected(d) && (!explained || far_off) && !problem_.given.empty()) {
         if (!follow_from_given(d, followed)) return d;
         if (rejected(d)) conclude(d, followed);

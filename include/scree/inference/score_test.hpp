@@ -43,10 +43,11 @@ struct Fingerprint {
 
 /// What measured residuals say, with the parameters projected out.
 struct ScoreResult {
-    double q = kNaN;                  ///< Q [-]
-    Eigen::VectorXd z;                ///< of each fingerprint [-]
-    Eigen::VectorXd visibility;       ///< d of each fingerprint, less what noise adds [-]
-    Eigen::VectorXd expected;         ///< z to expect at the reference strength: d less what the noise of the fingerprint takes away [-]
+    double q = kNaN;             ///< Q [-]
+    Eigen::VectorXd z;           ///< of each fingerprint [-]
+    Eigen::VectorXd visibility;  ///< d of each fingerprint, less what noise adds [-]
+    Eigen::VectorXd
+        expected;  ///< z to expect at the reference strength: d less what the noise of the fingerprint takes away [-]
     Eigen::VectorXd standardised;     ///< residuals after recalibration, each over its standard deviation [-]
     Eigen::VectorXd shift;            ///< change of the parameters that a recalibration would make [*]
     Eigen::VectorXd shift_deviation;  ///< standard deviation of the parameters after it [*]
