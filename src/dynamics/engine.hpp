@@ -19,7 +19,6 @@ namespace scree {
 ///
 /// `Contacts` finds what touches. It offers
 ///     detect(position, rotation, reach, contacts)   all contacts with gap <= reach
-///     clearance(position, rotation)                 a cheap lower bound of every gap
 ///     free_time(state, spin bound, gravity, drag, gap)   how long nothing can touch in flight
 ///     over_terrain(position), buried(position), beyond_rim(), radius(), inner_radius()
 ///

@@ -26,7 +26,8 @@ public:
     /// than `passed_by` [m]; -infinity: for all.
     HullContacts(const ConvexBlock& block, const Surface& surface, bool vertices_only, double passed_by = kPassedBy);
 
-    /// All contacts with a gap of at most `reach` [m] for this pose, in an order that depends on the pose only.
+    /// All contacts with a gap of at most `reach` [m] for this pose, in an order that depends on the pose and, where faces are equally
+    /// near to a crest, on the look before.
     void detect(const Vec3& position, const Mat3& rotation, double reach, std::vector<Contact<3>>& contacts);
 
     /// Lower bound of every gap [m]: distance of the block from a plane that the terrain around it does not reach; cheap.
@@ -138,7 +139,7 @@ private:
     std::vector<double> edge_free_until_;      ///< same for crests [m]
     std::vector<double> edge_per_square_;      ///< one over the square of each crest's length [1/m^2]
     double steepest_slope_ = 0.0;              ///< of the patch, tangent [-]
-    std::vector<SupportingPlane> edge_apart_;  ///< body frame: a plane that the block is below and the crest was above
+    std::vector<SupportingPlane> edge_apart_;  ///< body frame, normals not of unit length: the block is below, the crest was above
     SupportingPlane ahead_;                    ///< over the terrain that the flight crosses next
     Box2 ahead_box_;                           ///< where it holds; empty: nowhere
     double horizon_ = 0.1;                     ///< how far ahead it is laid [s]

@@ -78,14 +78,6 @@ Eigen::Index PlaneContacts::lowest_vertex(const Vec2& direction) {
     return best;
 }
 
-double PlaneContacts::clearance(const Vec2& position, const Mat2& rotation) {
-    cover(position.x(), 0.0);
-    const double centre = line_.height(position);
-    if (centre > 2.0 * block_.radius) return centre - block_.radius;
-    const Vec2 direction = rotation.transpose() * line_.normal;
-    return centre + direction.dot(block_.vertex(lowest_vertex(direction)));
-}
-
 // Between the underside and the ground the difference is linear between corners of either.
 double PlaneContacts::sunk(const Vec2& position, const Mat2& rotation) const {
     double most = -kInfinity;

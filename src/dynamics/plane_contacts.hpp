@@ -27,9 +27,6 @@ public:
     /// All contacts with a gap of at most `reach` [m] for this pose, in an order that depends on the pose only.
     void detect(const Vec2& position, const Mat2& rotation, double reach, std::vector<Contact<2>>& contacts);
 
-    /// Lower bound of every gap [m]: distance of the block from a line that the ground around it does not reach; cheap.
-    double clearance(const Vec2& position, const Mat2& rotation);
-
     /// How long the block can fly from this state before anything may touch [s], at most kLongestFlight; `gap` is the smallest gap seen, infinite if
     /// the block is far enough not to look. In the plane the spin of a flying block is constant, so that gaps and their rates have exact
     /// derivatives with bounds of third order. `drag` is the acceleration of the centre of mass beside gravity, constant meanwhile, and slows it down

@@ -3,6 +3,7 @@
 #include "geometry/plain_hull.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <vector>
 
@@ -140,10 +141,17 @@ private:
     std::vector<Facet> gone_;
 };
 
-/// True if every facet has all other points below it beyond doubt. Facets of the hull that are as many as V corners can have at most, 2 V - 4, are all
+/// True if every facet has all other points below it beyond doubt. As many different facets of the hull as V corners can have at most, 2 V - 4, are all
 /// of it.
 bool proven(std::span<const Vec3> points, const std::vector<Facet>& facets, std::size_t corners) {
     if (facets.size() + 4 != 2 * corners) return false;
+    std::vector<std::array<std::int32_t, 3>> known;
+    for (const Facet& f : facets) {
+        known.push_back(f.corner);
+        std::sort(known.back().begin(), known.back().end());
+    }
+    std::sort(known.begin(), known.end());
+    if (std::adjacent_find(known.begin(), known.end()) != known.end()) return false;
     Vec3 low = points.front(), high = points.front();
     for (const Vec3& p : points) {
         low = low.cwiseMin(p);

@@ -49,7 +49,6 @@ public:
         c.arm = -radius_ * normal_;
         if (c.gap <= reach) contacts.push_back(c);
     }
-    double clearance(const Vec& position, const Rotation&) const { return normal_.dot(position) - radius_; }
     double free_time(const BlockState<Dim>& s, double, double gravity, const Vec& drag, double& gap) const {
         gap = normal_.dot(s.position) - radius_;
         const double rate = normal_.dot(s.velocity), fall = gravity * normal_[Dim - 1] - normal_.dot(drag);

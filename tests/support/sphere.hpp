@@ -26,9 +26,8 @@ public:
         c.arm = -radius_ * normal_;
         if (c.gap <= reach) contacts.push_back(c);
     }
-    double clearance(const Vec3& position, const Mat3&) const { return normal_.dot(position) - radius_; }
     double free_time(const BlockState<3>& s, double, double gravity, const Vec3& drag, double& gap) const {
-        gap = clearance(s.position, Mat3::Identity());
+        gap = normal_.dot(s.position) - radius_;
         const double rate = normal_.dot(s.velocity), fall = gravity * normal_.z() - normal_.dot(drag);
         const double root = rate * rate + 2.0 * fall * gap;
         if (gap <= 0.0) return 0.0;

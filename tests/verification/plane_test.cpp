@@ -33,9 +33,8 @@ public:
         c.arm = -radius_ * normal_;
         if (c.gap <= reach) contacts.push_back(c);
     }
-    double clearance(const Vec2& position, const Mat2&) const { return normal_.dot(position) - radius_; }
     double free_time(const BlockState<2>& s, double, double gravity, const Vec2&, double& gap) const {
-        gap = clearance(s.position, Mat2::Identity());
+        gap = normal_.dot(s.position) - radius_;
         const double rate = normal_.dot(s.velocity), fall = gravity * normal_.y();
         return gap > 0.0 ? 2.0 * gap / (std::sqrt(rate * rate + 2.0 * fall * gap) - rate) : 0.0;
     }
