@@ -47,7 +47,7 @@ public:
             for (const EffectFinding& f : study_.diagnosis.answer)
                 if (!study_.interrupted) refit({f});
         }
-        if (!study_.interrupted) judge_held_out();
+        if (!study_.interrupted) judge_refits();
     }
 
     void plan_test() {
@@ -211,18 +211,27 @@ private:
         study_.answers.push_back(std::move(fit));
     }
 
-    /// A name that predicts blocks that it was not fitted to no better than the model without it is none.
-    void judge_held_out() {
-        if (study_.answers.empty() || study_.baseline.result.folds.empty()) return;
+    /// A name with which the model, calibrated anew, could still not have produced the measurements is none, nor one that predicts blocks that it was
+    /// not fitted to no better than the model without it.
+    void judge_refits() {
+        auto& answers = study_.answers;
+        if (answers.empty()) return;
+        const auto demote = [&](const std::string& why) {
+            study_.demoted = why;
+            study_.verdict = Verdict::Unknown;
+        };
+        const auto explains = [&](const AnswerFit& a) { return !(a.study.overall.p <= study_.settings.rejected); };
+        if (std::none_of(answers.begin(), answers.end(), explains))
+            return demote("with " + answers.front().name() +
+                          ", which comes nearest, the model is still far beyond chance as a whole");
+        std::stable_partition(answers.begin(), answers.end(), explains);
+        if (study_.baseline.result.folds.empty()) return;
         const double without = study_.baseline.result.held_out.loss;
         const auto better = [&](const AnswerFit& a) { return a.model.result.held_out.loss < without; };
-        if (std::any_of(study_.answers.begin(), study_.answers.end(), better)) {
-            std::stable_partition(study_.answers.begin(), study_.answers.end(), better);
-            return;
-        }
-        study_.demoted =
-            "the blocks held out are predicted no better with " + study_.answers.front().name() + " than without";
-        study_.verdict = Verdict::Unknown;
+        if (std::none_of(answers.begin(), answers.end(), better))
+            return demote("the blocks held out are predicted no better with " + answers.front().name() +
+                          " than without");
+        std::stable_partition(answers.begin(), answers.end(), better);
     }
 
     std::string journal_subject(const std::string& name) const;

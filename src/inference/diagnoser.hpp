@@ -85,6 +85,8 @@ private:
         ResidualMean observed;
         Eigen::VectorXd left;  ///< what is measured less what is simulated at `at`
     };
+    struct Box;
+    class LocalMisfit;
     bool survey(Survey& s, std::size_t fingerprint);
     Eigen::VectorXd within(Eigen::VectorXd at, std::size_t fingerprint) const;
     double most_of(std::size_t fingerprint) const;
@@ -98,7 +100,7 @@ private:
     bool follow_from_given(Diagnosis& d, std::vector<Hypothesis>& followed);
     void weigh(Diagnosis& d, std::vector<Hypothesis>& followed) const;
     void conclude(Diagnosis& d, std::vector<Hypothesis>& followed) const;
-    double goodness_of_fit(const Survey& survey) const;
+    double goodness_of_fit(const Survey& survey, double left) const;
 
     const DiagnosisProblem& problem_;
     const ObservationTable& measured_;

@@ -19,15 +19,17 @@ constexpr double kSettled = 3.0;
 constexpr int kWithoutBetter = 2;
 /// How far beyond a survey its derivatives are trusted [steps].
 constexpr double kTrust = 4.0;
+/// Sweeps over the coordinates of a quadratic problem [-].
+constexpr int kSweeps = 300;
 /// Step of the strength: z that it makes, share of the strength where that was scanned for, and share of the largest strength at most [-].
 constexpr double kStrengthStep = 1.5, kStrengthShare = 0.2, kMostStrengthStep = 0.25;
 /// Samples of a simulation that its goodness of fit is judged by [-].
 constexpr std::int64_t kFitDraws = 299;
 
-/// Strong effects are looked for at strengths that grow by this factor [-], as long as less is left.
-constexpr double kGrow = 2.5;
-/// How many variants, of those whose fingerprints explain most, are looked at so; and of one effect at most [-].
-constexpr std::size_t kScanned = 16, kScannedOfOne = 3;
+/// Strong effects are looked for at strengths that grow by this factor, until so many times as much is left as at the best one [-].
+constexpr double kGrow = 2.5, kMuchMore = 2.0;
+/// How many variants, of those whose fingerprints explain most, are looked at so; and of one effect at most; and how many of these are followed [-].
+constexpr std::size_t kScanned = 32, kScannedOfOne = 8, kChosenOfOne = 2;
 
 }  // namespace
 
@@ -69,43 +71,42 @@ std::optional<double> Diagnoser::left_at(double strength, std::size_t fingerprin
 
 /// Finalists by what they leave at the strength that leaves least: a strong effect may be far from what its fingerprint at the reference strength tells.
 std::optional<std::vector<Hypothesis>> Diagnoser::strong_finalists() {
-    planned_ += 2 * kScanned;
+    planned_ += 4 * kScanned;
     const ScoreResult score = (*base_.test)(base_.observed);
     std::vector<std::size_t> order(variants_.size());
     std::iota(order.begin(), order.end(), std::size_t{0});
     std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
         return score.z[static_cast<Eigen::Index>(a)] > score.z[static_cast<Eigen::Index>(b)];
     });
-    std::vector<std::size_t> scanned_of(problem_.effects.size(), 0);
-    std::vector<Hypothesis> best(problem_.effects.size());
-    std::size_t scanned = 0;
+    std::vector<std::size_t> scanned_of(problem_.effects.size(), 0), chosen_of = scanned_of;
+    std::vector<Hypothesis> scanned;
     for (const std::size_t k : order) {
-        const EffectDose& v = variants_[k];
-        if (!(score.z[static_cast<Eigen::Index>(k)] > 0.0) || scanned == kScanned) break;
-        if (!base_.test->fingerprints()[k].judged || scanned_of[v.effect] == kScannedOfOne) continue;
-        ++scanned_of[v.effect];
-        ++scanned;
+        const std::size_t effect = variants_[k].effect;
+        if (!(score.z[static_cast<Eigen::Index>(k)] > 0.0) || scanned.size() == kScanned) break;
+        if (!base_.test->fingerprints()[k].judged || scanned_of[effect] == kScannedOfOne) continue;
+        ++scanned_of[effect];
+        Hypothesis best;
+        best.fingerprint = k;
+        best.parameters = base_.parameters;
+        best.from_given = true;
         const double most = most_of(k);
-        double last = kInfinity;
         for (double strength = std::min(1.0, most);; strength = std::min(kGrow * strength, most)) {
             const std::optional<double> q = left_at(strength, k);
             if (!q) return std::nullopt;
-            if (*q < best[v.effect].q) {
-                best[v.effect].fingerprint = k;
-                best[v.effect].parameters = base_.parameters;
-                best[v.effect].strength = strength;
-                best[v.effect].q = *q;
-                best[v.effect].from_given = true;
+            if (*q < best.q) {
+                best.strength = strength;
+                best.q = *q;
             }
-            if (*q >= last || strength >= most) break;
-            last = *q;
+            if (*q > kMuchMore * best.q || strength >= most) break;
         }
+        scanned.push_back(std::move(best));
     }
+    std::stable_sort(scanned.begin(), scanned.end(),
+                     [](const Hypothesis& a, const Hypothesis& b) { return a.q < b.q; });
     std::vector<Hypothesis> chosen;
-    for (Hypothesis& h : best)
-        if (h.fingerprint != kNoEffect) chosen.push_back(std::move(h));
-    std::stable_sort(chosen.begin(), chosen.end(), [](const Hypothesis& a, const Hypothesis& b) { return a.q < b.q; });
-    chosen.resize(std::min(chosen.size(), settings_.finalists));
+    for (Hypothesis& h : scanned)
+        if (chosen.size() < settings_.finalists && chosen_of[variants_[h.fingerprint].effect]++ < kChosenOfOne)
+            chosen.push_back(std::move(h));
     return chosen;
 }
 
@@ -167,9 +168,54 @@ std::vector<EffectDose> Diagnoser::dose_of(std::size_t fingerprint, const Eigen:
     return {{variants_[fingerprint].effect, variants_[fingerprint].variant, at[base_.parameters.size()]}};
 }
 
+/// Low and high of a change of parameters and strength.
+struct Diagnoser::Box {
+    Eigen::VectorXd low, high;
+};
+
+/// Q of places around a survey, quadratic with its derivatives.
+class Diagnoser::LocalMisfit {
+public:
+    LocalMisfit(const Survey& s, const Eigen::VectorXd& prior) : prior_(prior) {
+        const Eigen::LLT<Eigen::MatrixXd> factor(mean_covariance(s.covariance, s.observed.together));
+        const Eigen::MatrixXd WD = factor.solve(s.slopes.directions);
+        information_ = s.slopes.directions.transpose() * WD;
+        information_.diagonal() += prior;
+        pull_ = WD.transpose() * s.left;
+        here_ = s.left.dot(factor.solve(s.left));
+    }
+
+    double at(const Eigen::VectorXd& by) const { return here_ - 2.0 * pull_.dot(by) + by.dot(information_ * by); }
+    /// Standard deviation of one of them.
+    double deviation(Eigen::Index k) const { return std::sqrt(information_.inverse()(k, k)); }
+    /// The change that leaves least.
+    Eigen::VectorXd best(const Box& box) const { return minimum(information_, pull_, box); }
+    /// The same, drawn to where it is, and as the prior has it to where the start is.
+    Eigen::VectorXd best(const Box& box, const Eigen::VectorXd& held, const Eigen::VectorXd& to_start) const {
+        Eigen::MatrixXd curvature = information_;
+        curvature.diagonal() += held;
+        return minimum(curvature, pull_ + prior_.cwiseProduct(to_start), box);
+    }
+
+private:
+    /// Of x'Ax / 2 - b'x, one coordinate after the other.
+    static Eigen::VectorXd minimum(const Eigen::MatrixXd& A, const Eigen::VectorXd& b, const Box& box) {
+        Eigen::VectorXd x = Eigen::VectorXd::Zero(b.size());
+        for (int sweep = 0; sweep < kSweeps; ++sweep)
+            for (Eigen::Index k = 0; k < x.size(); ++k)
+                x[k] = std::clamp(x[k] + (b[k] - A.row(k).dot(x)) / A(k, k), box.low[k], box.high[k]);
+        return x;
+    }
+
+    Eigen::VectorXd prior_;
+    Eigen::MatrixXd information_;
+    Eigen::VectorXd pull_;
+    double here_;
+};
+
 /// Gauss-Newton on parameters and strength. Simulations are noisy, so that no two of them are compared on the way: every step comes from a survey of
-/// simulations all around, in the residual space of these, and is limited to where they reach. What is left of the measured residual there, parameters and
-/// strength free, judges.
+/// simulations all around, in the residual space of these, and is limited to where they tell something. What is left of the measured residual at the best
+/// place among them judges: what derivatives promise farther away often does not come true.
 bool Diagnoser::follow(Hypothesis& h) {
     h.q = kInfinity;
     const bool any = h.fingerprint != kNoEffect;
@@ -195,56 +241,44 @@ bool Diagnoser::follow(Hypothesis& h) {
         s.slopes.directions.conservativeResize(Eigen::NoChange, size);
         s.slopes.directions.col(count) = f.change;
     }
-    struct Step {
-        Eigen::VectorXd by;
-        double strength_deviation = kNaN, gain = 0.0;
+    const auto box = [&](double steps) {
+        return Box{within(s.at - steps * s.step, h.fingerprint) - s.at,
+                   within(s.at + steps * s.step, h.fingerprint) - s.at};
     };
-    const auto step_from = [&](const Survey& at) {
-        const Eigen::LLT<Eigen::MatrixXd> factor(mean_covariance(at.covariance, at.observed.together));
-        const Eigen::MatrixXd WD = factor.solve(at.slopes.directions);
-        Eigen::MatrixXd information = at.slopes.directions.transpose() * WD;
-        information.diagonal() += prior;
-        const Eigen::VectorXd pull = WD.transpose() * at.left;
-        Step step;
-        if (any) step.strength_deviation = std::sqrt(information.inverse()(count, count));
-        const Eigen::VectorXd free = information.ldlt().solve(pull);
-        step.gain = pull.dot(free);
+    double trust = kTrust;
+    const auto go = [&] {
         // what the simulations hardly tell apart stays where it is
-        information.diagonal() += (kTrust * at.step).array().square().inverse().matrix();
-        step.by = information.ldlt().solve(pull - prior.cwiseProduct(at.at - start));
-        return step;
+        s.at += LocalMisfit(s, prior).best(box(trust), (trust * s.step).array().square().inverse(), start - s.at);
     };
-    const auto go = [&](const Step& step) {
-        const Eigen::VectorXd reach = kTrust * s.step;
-        s.at = within(s.at + step.by.cwiseMax(-reach).cwiseMin(reach), h.fingerprint);
-    };
-    if (!(h.strength > 0.0))
-        go(step_from(s));  // from the base, which is known; a strength that was scanned for is far from it
-    int without_better = 0;
-    for (int round = 0; round < settings_.rounds && without_better < kWithoutBetter; ++round) {
+    if (!(h.strength > 0.0)) go();  // from the base, which is known; a strength that was scanned for is far from it
+    for (int round = 0, without_better = 0; round < settings_.rounds && without_better < kWithoutBetter; ++round) {
         if (!survey(s, h.fingerprint)) return false;
-        const Step step = step_from(s);
-        const Eigen::LLT<Eigen::MatrixXd> factor(mean_covariance(s.covariance, s.observed.together));
-        const double q = s.left.dot(factor.solve(s.left)) - step.gain;
+        const LocalMisfit misfit(s, prior);
+        const Eigen::VectorXd near = misfit.best(box(1.0));
+        const double q = misfit.at(near);
         without_better = q < h.q - kSettled ? 0 : without_better + 1;
         if (q < h.q) {
             h.q = q;
-            const Eigen::VectorXd to = within(s.at + step.by.cwiseMax(-s.step).cwiseMin(s.step), h.fingerprint);
+            const Eigen::VectorXd to = s.at + near;
             h.parameters = to.head(count);
             h.strength = any ? std::max(to[count], kLeastStrength * most_of(h.fingerprint)) : 0.0;
-            h.strength_deviation = step.strength_deviation;
+            h.strength_deviation = any ? misfit.deviation(count) : kNaN;
+            const double promised = misfit.at(Eigen::VectorXd::Zero(size)) - misfit.at(misfit.best(box(trust)));
+            s.step.head(count) = telling_steps(s.slopes, s.covariance, s.observed.together);
             best = s;
+            if (promised < kSettled) break;
+        } else {
+            s = best;  // too far
+            trust *= 0.5;
         }
-        if (step.gain < kSettled) break;
-        go(step);
-        s.step.head(count) = telling_steps(s.slopes, s.covariance, s.observed.together);
+        go();
     }
-    h.p = goodness_of_fit(best);
+    h.p = goodness_of_fit(best, h.q);
     return true;
 }
 
 /// How often as many rows of the simulations themselves leave as much, with parameters and strength free for them, too.
-double Diagnoser::goodness_of_fit(const Survey& survey) const {
+double Diagnoser::goodness_of_fit(const Survey& survey, double left) const {
     std::vector<Fingerprint> effect;
     for (Eigen::Index k = deviation_.size(); k < survey.slopes.directions.cols(); ++k)
         effect.push_back({survey.slopes.directions.col(k), kInfinity});
@@ -255,14 +289,13 @@ double Diagnoser::goodness_of_fit(const Survey& survey) const {
         const ScoreResult s = own(r);
         return s.q - s.z.squaredNorm();
     };
-    const double measured = misfit({survey.left, survey.observed.together});
     std::int64_t at_least = 0;
     for (std::int64_t k = 0; k < kFitDraws; ++k) {
         RandomStream random(settings_.seed, static_cast<std::uint64_t>(k), RandomPurpose::Resampling);
         ResidualRows drawn(static_cast<Eigen::Index>(measured_.rows()), rows.cols());
         for (Eigen::Index i = 0; i < drawn.rows(); ++i)
             drawn.row(i) = rows.row(static_cast<Eigen::Index>(random.below(static_cast<std::uint64_t>(rows.rows()))));
-        if (misfit(mean_residual(drawn)) >= measured) ++at_least;
+        if (misfit(mean_residual(drawn)) >= left) ++at_least;
     }
     return static_cast<double>(at_least + 1) / static_cast<double>(kFitDraws + 1);
 }

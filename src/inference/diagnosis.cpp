@@ -18,7 +18,7 @@ namespace {
 /// z beyond the limit at which four of five effects are seen: the 80 % quantile of the normal distribution [-].
 constexpr double kFourOfFive = 0.8416;
 /// A finalist's z is at least this share of the best one's [-].
-constexpr double kFinalistShare = 0.6;
+constexpr double kFinalistShare = 0.45;
 /// z to expect at the largest strength allowed, below which an effect is none that could be seen [-].
 constexpr double kLeastVisible = 2.0;
 /// z to expect that a fingerprint is taken at; how many times as strong or weak it is else taken again, how much stronger at once [-], and how often.
@@ -177,7 +177,7 @@ bool Diagnoser::take_fingerprints() {
         const double most = most_of(fingerprints.size());
         EffectDose dose = v;
         dose.strength = std::min(dose.strength, most);
-        auto fingerprint = take_fingerprint(dose, settings_.repeats);
+        auto fingerprint = take_fingerprint(dose, std::max<std::int64_t>(settings_.repeats / 2, 1));
         for (int again = 0; fingerprint && again < kTakenAgain; ++again) {
             const double seen =
                 ScoreTest(covariance, base_.slopes.directions, deviation_, {*fingerprint})(base_.observed)
@@ -185,7 +185,7 @@ bool Diagnoser::take_fingerprints() {
             const double better = std::min(kModerate / std::max(seen, 1e-9), most), factor = better / dose.strength;
             if (factor > 1.0 / kOtherStrength && factor < kOtherStrength) break;
             dose.strength *= std::min(factor, kMostGrowth);
-            fingerprint = take_fingerprint(dose, 2 * settings_.repeats);
+            fingerprint = take_fingerprint(dose, settings_.repeats);
         }
         if (!fingerprint) return false;
         fingerprints.push_back(std::move(*fingerprint));
@@ -412,9 +412,7 @@ Diagnosis Diagnoser::run(Of of) {
     if (measured && rejected(d)) conclude(d, followed);
     const bool explained =
         std::any_of(followed.begin(), followed.end(), [&](const Hypothesis& h) { return h.p > settings_.rejected; });
-    // a strong effect may be far from what its fingerprint near the calibrated model tells, and another may make do in its place
-    const bool far_off = d.test.p <= 1.0 / (static_cast<double>(settings_.draws) + 1.0);
-    if (measured && rejected(d) && (!explained || far_off) && !problem_.given.empty()) {
+    if (measured && rejected(d) && !explained && !problem_.given.empty()) {
         if (!follow_from_given(d, followed)) return d;
         if (rejected(d)) conclude(d, followed);
     }

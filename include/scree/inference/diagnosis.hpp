@@ -71,9 +71,10 @@ struct DiagnosisSettings {
     double level = 0.05;        ///< share of models without a flaw that are rejected [-]
     std::size_t finalists = 6;  ///< effects that are simulated at their best strength [-]
     int rounds = 6;             ///< surveys on the way there, at most: it ends where it has settled [-]
-    double prior_none = 0.5;    ///< weight of the calibrated model before the data; the effects share the rest [-]
-    double named = 0.95;        ///< weight at which one name is said; less says groups [-]
-    double group = 0.95;        ///< weight that a group has to reach [-]
+    double prior_none =
+        0.3;  ///< weight of the calibrated model before the data, once the test has rejected it; the effects share the rest [-]
+    double named = 0.95;  ///< weight at which one name is said; less says groups [-]
+    double group = 0.95;  ///< weight that a group has to reach [-]
     std::size_t largest_group = 3;
     double rejected =
         0.02;  ///< an explanation whose own simulations look like the measurements less often than this is none [-]
