@@ -24,7 +24,7 @@ def wilson(hits, n):
         return "no cases"
     z, p = 1.96, hits / n
     middle, half = (p + z * z / (2 * n)) / (1 + z * z / n), z / (1 + z * z / n) * math.sqrt(p * (1 - p) / n + z * z / (4 * n * n))
-    return f"{100 * p:.0f} % of {n} ({100 * (middle - half):.0f} to {100 * (middle + half):.0f})"
+    return f"{100 * p:.0f} % of {n} ({100 * max(middle - half, 0.0):.0f} to {100 * (middle + half):.0f})"
 
 
 def read(folder):
