@@ -94,6 +94,8 @@ private:
     std::optional<double> left_at(double strength, std::size_t fingerprint);
     std::optional<std::vector<Hypothesis>> strong_finalists();
     bool follow(Hypothesis& h);
+    /// For simulations that are many together, or a first look.
+    std::int64_t half_repeats() const { return std::max<std::int64_t>(settings_.repeats / 2, 1); }
     bool rejected(const Diagnosis& d) const { return d.test.p <= settings_.level; }
     bool move_base(Diagnosis& d, const Hypothesis& without);
     bool settle_base(Diagnosis& d);

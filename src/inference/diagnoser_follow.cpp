@@ -120,7 +120,7 @@ bool Diagnoser::survey(Survey& s, std::size_t fingerprint) {
     for (Eigen::Index run = 0; run < signs.rows(); ++run) {
         const Eigen::VectorXd at = within(s.at + signs.row(run).transpose().cwiseProduct(s.step), fingerprint);
         moved.row(run) = at - s.at;
-        auto table = simulate("finalists", at.head(count), dose_of(fingerprint, at), settings_.repeats);
+        auto table = simulate("finalists", at.head(count), dose_of(fingerprint, at), half_repeats());
         if (!table) return false;
         first.push_back(all.rows());
         if (run == 0) {

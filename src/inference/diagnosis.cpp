@@ -177,7 +177,7 @@ bool Diagnoser::take_fingerprints() {
         const double most = most_of(fingerprints.size());
         EffectDose dose = v;
         dose.strength = std::min(dose.strength, most);
-        auto fingerprint = take_fingerprint(dose, std::max<std::int64_t>(settings_.repeats / 2, 1));
+        auto fingerprint = take_fingerprint(dose, half_repeats());
         for (int again = 0; fingerprint && again < kTakenAgain; ++again) {
             const double seen =
                 ScoreTest(covariance, base_.slopes.directions, deviation_, {*fingerprint})(base_.observed)

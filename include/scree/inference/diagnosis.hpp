@@ -72,7 +72,7 @@ struct DiagnosisSettings {
     std::size_t finalists = 6;  ///< effects that are simulated at their best strength [-]
     int rounds = 6;             ///< surveys on the way there, at most: it ends where it has settled [-]
     double prior_none =
-        0.3;  ///< weight of the calibrated model before the data, once the test has rejected it; the effects share the rest [-]
+        0.5;  ///< weight of the calibrated model before the data, once the test has rejected it; the effects share the rest [-]
     double named = 0.95;  ///< weight at which one name is said; less says groups [-]
     double group = 0.95;  ///< weight that a group has to reach [-]
     std::size_t largest_group = 3;
