@@ -16,6 +16,8 @@ namespace {
 
 /// Steps of derivatives in shares of a parameter's range: about its uncertainty, within these [-].
 constexpr double kLeastStep = 0.03, kMostStep = 0.15, kPlannedStep = 0.08;
+/// A gap over all so many times the largest of 95 % of chance is far beyond it [-].
+constexpr double kFarBeyond = 2.0;
 
 /// Position in a range, 0 to 1, by ratios if it is searched so.
 double to_unit(const CalibrationParameter& p, double value) {
@@ -211,8 +213,8 @@ private:
         study_.answers.push_back(std::move(fit));
     }
 
-    /// A name with which the model, calibrated anew, could still not have produced the measurements is none, nor one that predicts blocks that it was
-    /// not fitted to no better than the model without it.
+    /// A name with which the model, calibrated anew, is still far from the measurements is none, nor one that predicts blocks that it was not fitted to
+    /// no better than the model without it.
     void judge_refits() {
         auto& answers = study_.answers;
         if (answers.empty()) return;
@@ -220,7 +222,9 @@ private:
             study_.demoted = why;
             study_.verdict = Verdict::Unknown;
         };
-        const auto explains = [&](const AnswerFit& a) { return !(a.study.overall.p <= study_.settings.rejected); };
+        const auto explains = [&](const AnswerFit& a) {
+            return !(a.study.overall.gap > kFarBeyond * a.study.overall.chance.high);
+        };
         if (std::none_of(answers.begin(), answers.end(), explains))
             return demote("with " + answers.front().name() +
                           ", which comes nearest, the model is still far beyond chance as a whole");
