@@ -135,16 +135,17 @@ private:
     double odometer_ = 0.0;  ///< how far any point of the body can have moved since the start, from look to look [m]
     Vec3 last_position_ = Vec3::Zero();  ///< at the last look [m]
     Mat3 last_rotation_ = Mat3::Identity();
-    std::vector<double> node_free_until_;      ///< a tip is out of reach while odometer + reach is less [m]
-    std::vector<double> edge_free_until_;      ///< same for crests [m]
-    std::vector<double> edge_per_square_;      ///< one over the square of each crest's length [1/m^2]
-    double steepest_slope_ = 0.0;              ///< of the patch, tangent [-]
-    std::vector<SupportingPlane> edge_apart_;  ///< body frame, normals not of unit length: the block is below, the crest was above
-    SupportingPlane ahead_;                    ///< over the terrain that the flight crosses next
-    Box2 ahead_box_;                           ///< where it holds; empty: nowhere
-    double horizon_ = 0.1;                     ///< how far ahead it is laid [s]
-    double look_time_ = 0.02;                  ///< how far ahead features are looked for in flight [s]
-    std::vector<Contact<3>> near_;             ///< room for free_time
+    std::vector<double> node_free_until_;  ///< a tip is out of reach while odometer + reach is less [m]
+    std::vector<double> edge_free_until_;  ///< same for crests [m]
+    std::vector<double> edge_per_square_;  ///< one over the square of each crest's length [1/m^2]
+    double steepest_slope_ = 0.0;          ///< of the patch, tangent [-]
+    std::vector<SupportingPlane>
+        edge_apart_;                ///< body frame, normals not of unit length: the block is below, the crest was above
+    SupportingPlane ahead_;         ///< over the terrain that the flight crosses next
+    Box2 ahead_box_;                ///< where it holds; empty: nowhere
+    double horizon_ = 0.1;          ///< how far ahead it is laid [s]
+    double look_time_ = 0.02;       ///< how far ahead features are looked for in flight [s]
+    std::vector<Contact<3>> near_;  ///< room for free_time
     std::vector<Contact<3>>
         passed_by_;  ///< tips and crests within reach that touch nothing in this pose: a vertex or another crest is nearer
     Eigen::ArrayXd vertex_free_until_;         ///< same for the block's vertices [m]
