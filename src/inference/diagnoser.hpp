@@ -39,6 +39,7 @@ struct Hypothesis {
     Eigen::VectorXd parameters;
     double strength = 0.0;
     double strength_deviation = kNaN;
+    Eigen::VectorXd step;  ///< of a survey around them, the strength's last
     double q = kInfinity;  ///< what is left [-]
     double p = 0.0;
     bool from_given = false;  ///< followed from the parameters that the site was given
@@ -87,13 +88,17 @@ private:
     };
     struct Box;
     class LocalMisfit;
-    bool survey(Survey& s, std::size_t fingerprint);
+    bool survey(Survey& s, std::size_t fingerprint, std::int64_t repeats);
+    Box around(const Survey& s, std::size_t fingerprint, double steps) const;
+    Eigen::VectorXd prior_of(std::size_t fingerprint) const;
+    void judge(Hypothesis& h, const Survey& s) const;
     Eigen::VectorXd within(Eigen::VectorXd at, std::size_t fingerprint) const;
     double most_of(std::size_t fingerprint) const;
     std::vector<EffectDose> dose_of(std::size_t fingerprint, const Eigen::VectorXd& at) const;
     std::optional<double> left_at(double strength, std::size_t fingerprint);
     std::optional<std::vector<Hypothesis>> strong_finalists();
     bool follow(Hypothesis& h);
+    bool decide_close_race(std::vector<Hypothesis>& followed);
     /// For simulations that are many together, or a first look.
     std::int64_t half_repeats() const { return std::max<std::int64_t>(settings_.repeats / 2, 1); }
     bool rejected(const Diagnosis& d) const { return d.test.p <= settings_.level; }

@@ -23,6 +23,9 @@ constexpr double kTrust = 4.0;
 constexpr int kSweeps = 300;
 /// Step of the strength: z that it makes, share of the strength where that was scanned for, and share of the largest strength at most [-].
 constexpr double kStrengthStep = 1.5, kStrengthShare = 0.2, kMostStrengthStep = 0.25;
+/// Finalists that leave so much more than the best one at most are surveyed once more with it, by so many times the repeats [-].
+constexpr double kCloseRace = 10.0;
+constexpr std::int64_t kRaceRepeats = 2;
 /// Samples of a simulation that its goodness of fit is judged by [-].
 constexpr std::int64_t kFitDraws = 299;
 
@@ -111,7 +114,7 @@ std::optional<std::vector<Hypothesis>> Diagnoser::strong_finalists() {
 }
 
 /// Simulations all around `at`, a step away in every direction; measured and simulated rows are seen in the residual space of all of them.
-bool Diagnoser::survey(Survey& s, std::size_t fingerprint) {
+bool Diagnoser::survey(Survey& s, std::size_t fingerprint, std::int64_t repeats) {
     const Eigen::Index count = base_.parameters.size();
     const Eigen::MatrixXd signs = design_of(static_cast<std::size_t>(s.at.size()));
     Eigen::MatrixXd moved(signs.rows(), s.at.size());
@@ -120,7 +123,7 @@ bool Diagnoser::survey(Survey& s, std::size_t fingerprint) {
     for (Eigen::Index run = 0; run < signs.rows(); ++run) {
         const Eigen::VectorXd at = within(s.at + signs.row(run).transpose().cwiseProduct(s.step), fingerprint);
         moved.row(run) = at - s.at;
-        auto table = simulate("finalists", at.head(count), dose_of(fingerprint, at), half_repeats());
+        auto table = simulate("finalists", at.head(count), dose_of(fingerprint, at), repeats);
         if (!table) return false;
         first.push_back(all.rows());
         if (run == 0) {
@@ -213,16 +216,39 @@ private:
     double here_;
 };
 
+/// So many steps of a survey to both sides, within the ranges.
+Diagnoser::Box Diagnoser::around(const Survey& s, std::size_t fingerprint, double steps) const {
+    return {within(s.at - steps * s.step, fingerprint) - s.at, within(s.at + steps * s.step, fingerprint) - s.at};
+}
+
+/// Inverse variances of the parameters before the test; the strength, if there is one, may be any.
+Eigen::VectorXd Diagnoser::prior_of(std::size_t fingerprint) const {
+    Eigen::VectorXd prior = Eigen::VectorXd::Zero(deviation_.size() + (fingerprint == kNoEffect ? 0 : 1));
+    prior.head(deviation_.size()) = deviation_.array().square().inverse();
+    return prior;
+}
+
+/// What a hypothesis leaves at the best place among the simulations of a survey: what derivatives promise farther away often does not come true.
+void Diagnoser::judge(Hypothesis& h, const Survey& s) const {
+    const LocalMisfit misfit(s, prior_of(h.fingerprint));
+    const Eigen::VectorXd by = misfit.best(around(s, h.fingerprint, 1.0)), to = s.at + by;
+    const Eigen::Index count = deviation_.size();
+    h.q = misfit.at(by);
+    h.parameters = to.head(count);
+    h.step = s.step;
+    if (h.fingerprint == kNoEffect) return;
+    h.strength = std::max(to[count], kLeastStrength * most_of(h.fingerprint));
+    h.strength_deviation = misfit.deviation(count);
+}
+
 /// Gauss-Newton on parameters and strength. Simulations are noisy, so that no two of them are compared on the way: every step comes from a survey of
-/// simulations all around, in the residual space of these, and is limited to where they tell something. What is left of the measured residual at the best
-/// place among them judges: what derivatives promise farther away often does not come true.
+/// simulations all around, in the residual space of these, and is limited to where they tell something; one that leaves more is taken back and halved.
 bool Diagnoser::follow(Hypothesis& h) {
-    h.q = kInfinity;
     const bool any = h.fingerprint != kNoEffect;
-    const Eigen::Index count = base_.parameters.size(), size = count + (any ? 1 : 0);  // the strength is the last
-    Eigen::VectorXd start = Eigen::VectorXd::Zero(size), prior = start;
+    const Eigen::VectorXd prior = prior_of(h.fingerprint);
+    const Eigen::Index count = base_.parameters.size(), size = prior.size();  // the strength is the last
+    Eigen::VectorXd start = Eigen::VectorXd::Zero(size);
     start.head(count) = base_.parameters;
-    prior.head(count) = deviation_.array().square().inverse();
     Survey s, best;
     s.at = start;
     s.step = base_.step;
@@ -241,30 +267,26 @@ bool Diagnoser::follow(Hypothesis& h) {
         s.slopes.directions.conservativeResize(Eigen::NoChange, size);
         s.slopes.directions.col(count) = f.change;
     }
-    const auto box = [&](double steps) {
-        return Box{within(s.at - steps * s.step, h.fingerprint) - s.at,
-                   within(s.at + steps * s.step, h.fingerprint) - s.at};
-    };
     double trust = kTrust;
     const auto go = [&] {
         // what the simulations hardly tell apart stays where it is
-        s.at += LocalMisfit(s, prior).best(box(trust), (trust * s.step).array().square().inverse(), start - s.at);
+        s.at += LocalMisfit(s, prior).best(around(s, h.fingerprint, trust), (trust * s.step).array().square().inverse(),
+                                           start - s.at);
     };
     if (!(h.strength > 0.0)) go();  // from the base, which is known; a strength that was scanned for is far from it
+    h.q = kInfinity;
     for (int round = 0, without_better = 0; round < settings_.rounds && without_better < kWithoutBetter; ++round) {
-        if (!survey(s, h.fingerprint)) return false;
-        const LocalMisfit misfit(s, prior);
-        const Eigen::VectorXd near = misfit.best(box(1.0));
-        const double q = misfit.at(near);
-        without_better = q < h.q - kSettled ? 0 : without_better + 1;
-        if (q < h.q) {
-            h.q = q;
-            const Eigen::VectorXd to = s.at + near;
-            h.parameters = to.head(count);
-            h.strength = any ? std::max(to[count], kLeastStrength * most_of(h.fingerprint)) : 0.0;
-            h.strength_deviation = any ? misfit.deviation(count) : kNaN;
-            const double promised = misfit.at(Eigen::VectorXd::Zero(size)) - misfit.at(misfit.best(box(trust)));
+        if (!survey(s, h.fingerprint, half_repeats())) return false;
+        Hypothesis here = h;
+        judge(here, s);
+        without_better = here.q < h.q - kSettled ? 0 : without_better + 1;
+        if (here.q < h.q) {
+            const LocalMisfit misfit(s, prior);
+            const double promised =
+                misfit.at(Eigen::VectorXd::Zero(size)) - misfit.at(misfit.best(around(s, h.fingerprint, trust)));
             s.step.head(count) = telling_steps(s.slopes, s.covariance, s.observed.together);
+            here.step = s.step;
+            h = std::move(here);
             best = s;
             if (promised < kSettled) break;
         } else {
@@ -274,6 +296,27 @@ bool Diagnoser::follow(Hypothesis& h) {
         go();
     }
     h.p = goodness_of_fit(best, h.q);
+    return true;
+}
+
+/// Half the repeats find the way, but their noise must not decide between effects that leave nearly the same.
+bool Diagnoser::decide_close_race(std::vector<Hypothesis>& followed) {
+    double best = kInfinity;
+    for (const Hypothesis& h : followed) best = std::min(best, h.q);
+    const auto close = [&](const Hypothesis& h) { return h.q < best + kCloseRace; };
+    const auto runners = static_cast<std::size_t>(std::count_if(followed.begin(), followed.end(), close));
+    if (runners < 2) return true;
+    planned_ += runners * 2 * design_size(problem_.calibrated.size() + 1);
+    for (Hypothesis& h : followed) {
+        if (!close(h)) continue;
+        Survey s;
+        s.at.resize(h.step.size());
+        s.at << h.parameters, h.strength;
+        s.step = h.step;
+        if (!survey(s, h.fingerprint, kRaceRepeats * settings_.repeats)) return false;
+        judge(h, s);
+        h.p = goodness_of_fit(s, h.q);
+    }
     return true;
 }
 

@@ -323,7 +323,7 @@ bool Diagnoser::follow_from_given(Diagnosis& d, std::vector<Hypothesis>& followe
         followed.push_back(std::move(h));
     }
     std::swap(given, base_);
-    return true;
+    return decide_close_race(followed);
 }
 
 /// Posterior weights of the finalists: likelihood, times the price of the strength (Laplace's approximation with a prior that is flat over the
@@ -409,6 +409,7 @@ Diagnosis Diagnoser::run(Of of) {
     if (measured && rejected(d)) followed = finalists(d.findings);
     for (Hypothesis& h : followed)
         if (!follow(h)) return d;
+    if (!decide_close_race(followed)) return d;
     if (measured && rejected(d)) conclude(d, followed);
     const bool explained =
         std::any_of(followed.begin(), followed.end(), [&](const Hypothesis& h) { return h.p > settings_.rejected; });
