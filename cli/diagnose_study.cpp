@@ -49,7 +49,7 @@ public:
             for (const EffectFinding& f : study_.diagnosis.answer)
                 if (!study_.interrupted) refit({f});
         }
-        if (!study_.interrupted) judge_refits();
+        if (!study_.interrupted) judge_refits(study_);
     }
 
     void plan_test() {
@@ -213,31 +213,6 @@ private:
         study_.answers.push_back(std::move(fit));
     }
 
-    /// A name with which the model, calibrated anew, is still far from the measurements is none, nor one that predicts blocks that it was not fitted to
-    /// no better than the model without it.
-    void judge_refits() {
-        auto& answers = study_.answers;
-        if (answers.empty()) return;
-        const auto demote = [&](const std::string& why) {
-            study_.demoted = why;
-            study_.verdict = Verdict::Unknown;
-        };
-        const auto explains = [&](const AnswerFit& a) {
-            return !(a.study.overall.gap > kFarBeyond * a.study.overall.chance.high);
-        };
-        if (std::none_of(answers.begin(), answers.end(), explains))
-            return demote("with " + answers.front().name() +
-                          ", which comes nearest, the model is still far beyond chance as a whole");
-        std::stable_partition(answers.begin(), answers.end(), explains);
-        if (study_.baseline.result.folds.empty()) return;
-        const double without = study_.baseline.result.held_out.loss;
-        const auto better = [&](const AnswerFit& a) { return a.model.result.held_out.loss < without; };
-        if (std::none_of(answers.begin(), answers.end(), better))
-            return demote("the blocks held out are predicted no better with " + answers.front().name() +
-                          " than without");
-        std::stable_partition(answers.begin(), answers.end(), better);
-    }
-
     std::string journal_subject(const std::string& name) const;
 
     const DiagnoseInput& in_;
@@ -270,6 +245,28 @@ std::string AnswerFit::name() const {
 
 std::string zone_name(std::size_t effect) {
     return effect == 0 ? "effect_zone" : "effect_zone_" + std::to_string(effect + 1);
+}
+
+void judge_refits(DiagnoseStudy& study) {
+    auto& answers = study.answers;
+    if (answers.empty()) return;
+    const auto demote = [&](const std::string& why) {
+        study.demoted = why;
+        study.verdict = Verdict::Unknown;
+    };
+    const auto explains = [&](const AnswerFit& a) {
+        return !(a.study.overall.gap > kFarBeyond * a.study.overall.chance.high);
+    };
+    if (std::none_of(answers.begin(), answers.end(), explains))
+        return demote("with " + answers.front().name() +
+                      ", which comes nearest, the model is still far beyond chance as a whole");
+    std::stable_partition(answers.begin(), answers.end(), explains);
+    if (study.baseline.result.folds.empty()) return;
+    const double without = study.baseline.result.held_out.loss;
+    const auto better = [&](const AnswerFit& a) { return a.model.result.held_out.loss < without; };
+    if (std::none_of(answers.begin(), answers.end(), better))
+        return demote("the blocks held out are predicted no better with " + answers.front().name() + " than without");
+    std::stable_partition(answers.begin(), answers.end(), better);
 }
 
 void run_study(const DiagnoseInput& input, DiagnoseStudy& study) {

@@ -87,6 +87,10 @@ struct DiagnoseInput {
 /// fields that the caller knows (site, keys, search, settings, inputs).
 void run_study(const DiagnoseInput& input, DiagnoseStudy& study);
 
+/// A name with which the model, calibrated anew, is still far from the measurements is none, nor one that predicts blocks that it was not fitted to
+/// no better than the model without it: the verdict becomes UNKNOWN if no answer is left, and those that are left come first.
+void judge_refits(DiagnoseStudy& study);
+
 /// What the test in `input.observed`, of which values say only what would be measured, could see with the site's own parameters.
 void plan_study(const DiagnoseInput& input, DiagnoseStudy& study);
 

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Throws random blocks on random terrain: fuzz_blocks FIRST COUNT. Prints every fault with its number, and what happened in all. Ends with 1 if there
-// is a fault. The numbers of scenes that once failed are kept in tests/verification/fuzz_test.cpp.
+// Throws random blocks on random terrain, in 3D or on profiles: fuzz_blocks 3D|2D FIRST COUNT. Prints every fault with its number, and what happened in
+// all. Ends with 1 if there is a fault. The numbers of scenes that once failed are kept in tests/verification/fuzz_test.cpp and plane_test.cpp.
 #include "support/fuzz.hpp"
+#include "support/plane_fuzz.hpp"
 
 #include <tbb/enumerable_thread_specific.h>
 #include <tbb/parallel_for.h>
@@ -10,6 +11,7 @@
 #include <cstdio>
 #include <cstdlib>
 #include <mutex>
+#include <string>
 
 namespace {
 
@@ -27,16 +29,16 @@ struct Account {
 }  // namespace
 
 int main(int argc, char** argv) {
-    if (argc != 3) {
-        std::fprintf(stderr, "fuzz_blocks FIRST COUNT: numbers of the scenes\n");
+    using namespace scree::test;
+    const std::string dimension = argc == 4 ? argv[1] : "";
+    if (dimension != "2D" && dimension != "3D") {
+        std::fprintf(stderr, "fuzz_blocks 3D|2D FIRST COUNT: numbers of the scenes\n");
         return 2;
     }
-    const std::uint64_t first = std::strtoull(argv[1], nullptr, 10), count = std::strtoull(argv[2], nullptr, 10);
+    const std::uint64_t first = std::strtoull(argv[2], nullptr, 10), count = std::strtoull(argv[3], nullptr, 10);
     tbb::enumerable_thread_specific<Account> accounts;
     std::mutex printing;
-    tbb::parallel_for(first, first + count, [&](std::uint64_t number) {
-        const scree::test::FuzzScene scene = scree::test::fuzz_scene(number);
-        const scree::test::FuzzOutcome<3> outcome = scree::test::fuzz_block(scene, scree::test::fuzz_settings());
+    const auto enter = [&](const auto& scene, const auto& outcome) {
         Account& account = accounts.local();
         ++account.reasons[static_cast<std::size_t>(outcome.end.reason)];
         account.counters.merge(outcome.end.counters);
@@ -45,6 +47,15 @@ int main(int argc, char** argv) {
         const std::lock_guard lock(printing);
         std::printf("%s: %s\n", scene.what.c_str(), outcome.fault.c_str());
         std::fflush(stdout);
+    };
+    tbb::parallel_for(first, first + count, [&](std::uint64_t number) {
+        if (dimension == "3D") {
+            const FuzzScene scene = fuzz_scene(number);
+            enter(scene, fuzz_block(scene, fuzz_settings()));
+        } else {
+            const PlaneFuzzScene scene = plane_fuzz_scene(number);
+            enter(scene, plane_fuzz_block(scene, fuzz_settings()));
+        }
     });
     Account all;
     for (const Account& account : accounts) all.merge(account);

@@ -1,0 +1,87 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Whether an answer survives its refit: the gap that is left over all, and the blocks that were held out.
+#include "cli/diagnose_study.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <memory>
+
+namespace scree::cli {
+namespace {
+
+using testing::HasSubstr;
+using testing::IsEmpty;
+
+const DiagnosisCandidate& candidate(const std::string& name) {
+    static std::vector<std::unique_ptr<DiagnosisCandidate>> all;
+    all.push_back(std::make_unique<DiagnosisCandidate>());
+    all.back()->name = name;
+    return *all.back();
+}
+
+/// Refitted, with the gap over all that it leaves, where 95 % of chance end at 2.4, and the loss of blocks held out.
+AnswerFit answer(const std::string& name, double gap, double loss) {
+    AnswerFit fit;
+    fit.effects.push_back({&candidate(name), nullptr, {}, 0.0, {}});
+    fit.study.overall.gap = gap;
+    fit.study.overall.chance = {0.4, 2.4};
+    fit.model.result.held_out.loss = loss;
+    return fit;
+}
+
+DiagnoseStudy study_of(std::vector<AnswerFit> answers) {
+    DiagnoseStudy study;
+    study.verdict = answers.size() > 1 ? Verdict::Group : Verdict::Named;
+    study.answers = std::move(answers);
+    study.baseline.result.folds.resize(2);
+    study.baseline.result.held_out.loss = 1.0;
+    return study;
+}
+
+TEST(DiagnoseRefits, AnAnswerThatClosesTheGapAndPredictsBetterStays) {
+    DiagnoseStudy study = study_of({answer("ground_drag", 4.7, 0.9)});
+    judge_refits(study);
+    EXPECT_EQ(study.verdict, Verdict::Named);
+    EXPECT_THAT(study.demoted, IsEmpty());
+}
+
+TEST(DiagnoseRefits, AModelStillFarBeyondChanceHasNoName) {
+    DiagnoseStudy study = study_of({answer("ids_shuffled", 4.9, 0.5)});
+    judge_refits(study);
+    EXPECT_EQ(study.verdict, Verdict::Unknown);
+    EXPECT_THAT(study.demoted, HasSubstr("ids_shuffled"));
+    EXPECT_THAT(study.demoted, HasSubstr("far beyond chance"));
+}
+
+TEST(DiagnoseRefits, BlocksHeldOutMustBePredictedBetter) {
+    DiagnoseStudy study = study_of({answer("ground_drag", 1.0, 1.0)});
+    judge_refits(study);
+    EXPECT_EQ(study.verdict, Verdict::Unknown);
+    EXPECT_THAT(study.demoted, HasSubstr("held out"));
+}
+
+TEST(DiagnoseRefits, WithoutFoldsTheGapDecides) {
+    DiagnoseStudy study = study_of({answer("ground_drag", 1.0, 1.0)});
+    study.baseline.result.folds.clear();
+    judge_refits(study);
+    EXPECT_EQ(study.verdict, Verdict::Named);
+}
+
+TEST(DiagnoseRefits, OfAGroupThoseThatSurviveComeFirst) {
+    DiagnoseStudy study = study_of({answer("far", 9.0, 0.5), answer("worse", 1.0, 1.1), answer("good", 1.0, 0.9)});
+    judge_refits(study);
+    EXPECT_EQ(study.verdict, Verdict::Group);
+    EXPECT_EQ(study.answers.front().name(), "good");
+}
+
+TEST(DiagnoseRefits, NothingAnsweredNothingTaken) {
+    DiagnoseStudy study = study_of({});
+    study.verdict = Verdict::None;
+    judge_refits(study);
+    EXPECT_EQ(study.verdict, Verdict::None);
+    EXPECT_THAT(study.demoted, IsEmpty());
+}
+
+}  // namespace
+}  // namespace scree::cli
