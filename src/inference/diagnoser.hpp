@@ -102,6 +102,10 @@ private:
     /// For simulations that are many together, or a first look.
     std::int64_t half_repeats() const { return std::max<std::int64_t>(settings_.repeats / 2, 1); }
     bool rejected(const Diagnosis& d) const { return d.test.p <= settings_.level; }
+    bool explained_by(std::span<const Hypothesis> followed) const {
+        return std::any_of(followed.begin(), followed.end(),
+                           [&](const Hypothesis& h) { return h.p > settings_.rejected; });
+    }
     bool move_base(Diagnosis& d, const Hypothesis& without);
     bool settle_base(Diagnosis& d);
     bool follow_from_given(Diagnosis& d, std::vector<Hypothesis>& followed);

@@ -299,13 +299,13 @@ bool Diagnoser::follow(Hypothesis& h) {
     return true;
 }
 
-/// Half the repeats find the way, but their noise must not decide between effects that leave nearly the same.
+/// Half the repeats find the way, but their noise must not decide between effects that leave nearly the same. Where none of them is an explanation there is nothing to decide.
 bool Diagnoser::decide_close_race(std::vector<Hypothesis>& followed) {
     double best = kInfinity;
     for (const Hypothesis& h : followed) best = std::min(best, h.q);
     const auto close = [&](const Hypothesis& h) { return h.q < best + kCloseRace; };
     const auto runners = static_cast<std::size_t>(std::count_if(followed.begin(), followed.end(), close));
-    if (runners < 2) return true;
+    if (runners < 2 || !explained_by(followed)) return true;
     planned_ += runners * 2 * design_size(problem_.calibrated.size() + 1);
     for (Hypothesis& h : followed) {
         if (!close(h)) continue;

@@ -411,9 +411,7 @@ Diagnosis Diagnoser::run(Of of) {
         if (!follow(h)) return d;
     if (!decide_close_race(followed)) return d;
     if (measured && rejected(d)) conclude(d, followed);
-    const bool explained =
-        std::any_of(followed.begin(), followed.end(), [&](const Hypothesis& h) { return h.p > settings_.rejected; });
-    if (measured && rejected(d) && !explained && !problem_.given.empty()) {
+    if (measured && rejected(d) && !explained_by(followed) && !problem_.given.empty()) {
         if (!follow_from_given(d, followed)) return d;
         if (rejected(d)) conclude(d, followed);
     }
