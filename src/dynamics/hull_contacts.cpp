@@ -21,16 +21,18 @@ constexpr double kConeSlack = 2e-3;
 constexpr int kCornerSamples = 8;
 /// Share of a distance that counts as room to move in: leaves rounding behind [-].
 constexpr double kOdometerShare = 1.0 - 1e-9;
+/// What is passed by nearer than this is not waited for in flight [m], and than this share of the inner radius: a small block could pass through it [-].
+constexpr double kPassedBy = 5e-3, kPassedByShare = 0.2;
 /// How far below the contact plane the terrain around a tip must fall, sine of the angle [-].
 constexpr double kTipAngle = 1e-6;
 
 }  // namespace
 
-HullContacts::HullContacts(const ConvexBlock& block, const Surface& surface, bool vertices_only, double passed_by)
+HullContacts::HullContacts(const ConvexBlock& block, const Surface& surface, bool vertices_only, bool waits_for_all)
     : block_(block),
       surface_(surface),
       vertices_only_(vertices_only),
-      least_passed_by_(passed_by),
+      least_passed_by_(waits_for_all ? -kInfinity : std::min(kPassedBy, kPassedByShare * block.inner_radius)),
       vertex_free_until_(block.x.size()),
       near_vertices_(static_cast<std::size_t>(block.x.size())),
       height_(block.x.size()),

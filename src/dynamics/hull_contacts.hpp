@@ -18,13 +18,10 @@ struct PlaneApproach;
 /// Keeps the terrain patch around the block from call to call.
 class HullContacts {
 public:
-    /// A tip or crest that is passed by may become a contact as the block turns. Nearer than this it is not waited for in flight, it would stop every
-    /// flight over a crest: for a caller that takes a flight back to where an overlap begins [m].
-    static constexpr double kPassedBy = 5e-3;
-
-    /// `vertices_only` leaves out tips and crests (for comparison with codes that lack them). Flights wait for everything that is passed by at no less
-    /// than `passed_by` [m]; -infinity: for all.
-    HullContacts(const ConvexBlock& block, const Surface& surface, bool vertices_only, double passed_by = kPassedBy);
+    /// `vertices_only` leaves out tips and crests (for comparison with codes that lack them). A tip or crest that is passed by may become a contact as the
+    /// block turns; nearer than 5 mm and a fifth of the block's inner radius it is not waited for in flight, it would stop every flight over a crest: for a
+    /// caller that takes a flight back to where an overlap begins. With `waits_for_all` flights wait for them, too.
+    HullContacts(const ConvexBlock& block, const Surface& surface, bool vertices_only, bool waits_for_all = false);
 
     /// All contacts with a gap of at most `reach` [m] for this pose, in an order that depends on the pose and, where faces are equally
     /// near to a crest, on the look before.

@@ -18,6 +18,8 @@ constexpr double kValleyMargin = 1e-3;
 constexpr double kSameLine = 1e-12;
 /// How far a contact normal may lie outside the normals of a crest's reaches [rad].
 constexpr double kConeSlack = 2e-3;
+/// What is passed by nearer than this is not waited for in flight [m], and than this share of the inner radius [-].
+constexpr double kPassedBy = 5e-3, kPassedByShare = 0.2;
 /// Share of a distance that counts as room to move in: leaves rounding behind [-].
 constexpr double kOdometerShare = 1.0 - 1e-9;
 
@@ -39,8 +41,12 @@ Vec2 tangent(const Vec2& normal) {
 
 }  // namespace
 
-PlaneContacts::PlaneContacts(const ConvexPolygon& block, const GroundLine& ground, bool vertices_only, double passed_by)
-    : block_(block), ground_(ground), vertices_only_(vertices_only), least_passed_by_(passed_by) {}
+PlaneContacts::PlaneContacts(const ConvexPolygon& block, const GroundLine& ground, bool vertices_only,
+                             bool waits_for_all)
+    : block_(block),
+      ground_(ground),
+      vertices_only_(vertices_only),
+      least_passed_by_(waits_for_all ? -kInfinity : std::min(kPassedBy, kPassedByShare * block.inner_radius)) {}
 
 bool PlaneContacts::buried(const Vec2& position) const {
     return ground_.contains(position.x()) &&

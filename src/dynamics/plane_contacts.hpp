@@ -15,14 +15,10 @@ namespace scree {
 /// The plane's counterpart of HullContacts, with the same rules: a prism on extruded ground has the same contacts, each at both of its ends.
 class PlaneContacts {
 public:
-    /// A crest that is passed by may become a contact as the block turns. Nearer than this it is not waited for in flight: a corner of the block is nearer
-    /// to the ground beside it. For a caller that takes a flight back to where an overlap begins [m].
-    static constexpr double kPassedBy = 5e-3;
-
-    /// `vertices_only` leaves out crests (for comparison with codes that lack them). Flights wait for every crest that is passed by at more than
-    /// `passed_by` [m]; -infinity: for all.
-    PlaneContacts(const ConvexPolygon& block, const GroundLine& ground, bool vertices_only,
-                  double passed_by = kPassedBy);
+    /// `vertices_only` leaves out crests (for comparison with codes that lack them). A crest that is passed by may become a contact as the block turns; nearer
+    /// than 5 mm and a fifth of the block's inner radius it is not waited for in flight, a corner of the block is nearer to the ground beside it: for a caller
+    /// that takes a flight back to where an overlap begins. With `waits_for_all` flights wait for them, too.
+    PlaneContacts(const ConvexPolygon& block, const GroundLine& ground, bool vertices_only, bool waits_for_all = false);
 
     /// All contacts with a gap of at most `reach` [m] for this pose, in an order that depends on the pose only.
     void detect(const Vec2& position, const Mat2& rotation, double reach, std::vector<Contact<2>>& contacts);

@@ -94,8 +94,7 @@ TrajectoryEnd<3> simulate_piece(const ConvexBlock& block, const BlockState<3>& s
                                 const Surface& surface, std::span<const Soil> soils, const DynamicsSettings& settings,
                                 MotionSink<3>* sink, BlockEffects<3>* effects) {
     const BodyInertia<3> body{block.mass, block.inertia};
-    HullContacts contacts(block, surface, settings.vertices_only,
-                          settings.mode == SteppingMode::Event ? HullContacts::kPassedBy : -kInfinity);
+    HullContacts contacts(block, surface, settings.vertices_only, settings.mode == SteppingMode::MoreauJean);
     Engine<3, HullContacts> engine(body, contacts, soils, settings, sink, effects);
     return engine.run(start, time);
 }
@@ -104,8 +103,7 @@ TrajectoryEnd<2> simulate_piece(const ConvexPolygon& block, const BlockState<2>&
                                 const GroundLine& ground, std::span<const Soil> soils, const DynamicsSettings& settings,
                                 MotionSink<2>* sink, BlockEffects<2>* effects) {
     const BodyInertia<2> body{block.mass, Space<2>::Spin(block.inertia)};
-    PlaneContacts contacts(block, ground, settings.vertices_only,
-                           settings.mode == SteppingMode::Event ? PlaneContacts::kPassedBy : -kInfinity);
+    PlaneContacts contacts(block, ground, settings.vertices_only, settings.mode == SteppingMode::MoreauJean);
     Engine<2, PlaneContacts> engine(body, contacts, soils, settings, sink, effects);
     return engine.run(start, time);
 }

@@ -211,7 +211,7 @@ TEST(PlaneContacts, NothingTouchesInTheFreeTime) {
             corners.emplace_back(s, random.uniform(-0.5, 0.5));
         const GroundLine ground = ground_of(corners);
         const ConvexPolygon block = make_polygon({}, {1.0, random.uniform(0.2, 1.0), 0.5}, 100.0, random);
-        PlaneContacts finder(block, ground, false, -kInfinity);  // waits for every crest
+        PlaneContacts finder(block, ground, false, true);  // waits for every crest
         BlockState<2> s;
         s.position = {20.0, 0.0};
         s.orientation = random.uniform(0.0, 6.28);

@@ -251,4 +251,14 @@ TEST(PlaneFuzz, RandomPolygonsOnRandomGround) {
     }
 }
 
+// Small plates flew through crests that they passed by nearer than 5 mm, which is more than they are thick.
+TEST(PlaneFuzz, SmallBlocksWaitForCrestsThatTheyPassBy) {
+    DynamicsSettings settings;
+    settings.time_limit = 30.0;
+    for (const std::uint64_t number : {1539, 15215, 24193, 26219, 33695, 34688}) {
+        const PlaneFuzzScene scene = plane_fuzz_scene(number);
+        EXPECT_EQ(plane_fuzz_block(scene, settings).fault, "") << scene.what;
+    }
+}
+
 }  // namespace scree::test
