@@ -5,6 +5,8 @@
 #include "cli/progress.hpp"
 #include "cli/settings.hpp"
 #include "gis/results_writer.hpp"
+#include "scree/base/error.hpp"
+#include "scree/inference/residual_space.hpp"
 
 #include <memory>
 #include <ostream>
@@ -136,6 +138,18 @@ DiagnosisSettings settings_of(const SiteFile& site, bool full) {
     return settings;
 }
 
+/// Before hours of calibration: residuals need so many rows.
+void require_enough_blocks(const Context& context, const ObservedSite& observed) {
+    const std::size_t blocks = measured_table(observed.observations, observed.op).rows(),
+                      least = ResidualSpace::kLeastRows;
+    if (blocks >= least || observed.has_errors()) return;  // errors are a verdict of their own
+    throw InputError((context.plan ? "A test of " : context.observed + ": a test of ") + std::to_string(blocks) +
+                     " blocks is too small for a diagnosis, which needs at least " + std::to_string(least) +
+                     (context.plan ? ": give more with --set release.count=50"
+                                   : ": scree compare says how far the model is from so few, scree diagnose --plan "
+                                     "what a larger test would show"));
+}
+
 }  // namespace
 
 ExitCode run_diagnose(const Context& context) {
@@ -165,6 +179,7 @@ ExitCode run_diagnose(const Context& context) {
     const ObservedSite observed =
         context.plan ? planned_test(site, model, context.instruments) : load_observed(site, model, context.observed);
     print_warnings(context, observed.warnings);
+    require_enough_blocks(context, observed);
     study.inputs = input_lines(model, observed);
     fs::path journal = folder;
     journal += ".journal";

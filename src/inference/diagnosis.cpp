@@ -5,6 +5,7 @@
 #include "inference/second_effect.hpp"
 
 #include "scree/base/assert.hpp"
+#include "scree/base/error.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -84,6 +85,9 @@ bool Diagnoser::build_space(std::span<const Residual> residuals) {
     auto reference = simulate("calibrated model", base_.parameters, {}, settings_.reference_repeats);
     if (!reference) return false;
     base_.space.emplace(std::move(*reference), measured_, problem_.blocks, settings_.residuals, residuals);
+    if (base_.space->residuals().empty())
+        throw InputError("Nothing that was measured is known of at least " + std::to_string(ResidualSpace::kLeastRows) +
+                         " blocks: a diagnosis cannot tell chance from a disagreement; measure more blocks");
     base_.observed = mean_residual(base_.space->of(measured_));
     return true;
 }

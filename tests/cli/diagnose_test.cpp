@@ -181,12 +181,22 @@ TEST(Diagnose, RefusesInOneSentence) {
     EXPECT_EQ(instrument.code, 3);
     EXPECT_THAT(instrument.err, HasSubstr("knows no \"smell\""));
     const Outcome absent =
-        diagnose(folder / "out", {"--plan", "--set", "release.count=2", "--set", "diagnosis.without=[\"snow\"]"});
+        diagnose(folder / "out", {"--plan", "--set", "release.count=8", "--set", "diagnosis.without=[\"snow\"]"});
     EXPECT_EQ(absent.code, 3);
     EXPECT_THAT(absent.err, HasSubstr("diagnosis.without: \"snow\" is no effect that is searched for; there are"));
+    const Outcome few = diagnose(folder / "out", {"--plan", "--set", "release.count=7"});
+    EXPECT_EQ(few.code, 3);
+    EXPECT_THAT(few.err, HasSubstr("A test of 7 blocks is too small for a diagnosis, which needs at least 8"));
+    fs::create_directories(folder / "obs");
+    put(folder / "obs" / "stopping_points.csv",
+        "block_id,mass_kg,l1_m,l2_m,l3_m,easting_m,northing_m\nA,900,0.8,0.7,0.6,890080,6670040\nB,900,0.8,0.7,0.6,"
+        "890085,6670040\n");
+    const Outcome two = diagnose(folder / "out", {"--observed", (folder / "obs").string()});
+    EXPECT_EQ(two.code, 3);
+    EXPECT_THAT(two.err, HasSubstr("obs: a test of 2 blocks is too small for a diagnosis"));
     fs::create_directories(folder / "out.journal");
     put(folder / "out.journal" / "x.table", "");
-    const Outcome left = diagnose(folder / "out", {"--plan", "--set", "release.count=2"});
+    const Outcome left = diagnose(folder / "out", {"--plan", "--set", "release.count=8"});
     EXPECT_EQ(left.code, 3);
     EXPECT_THAT(left.err, HasSubstr("--resume"));
 }

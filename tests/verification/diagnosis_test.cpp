@@ -3,6 +3,7 @@
 // nothing. Shares of right answers are held against what they must be within what the number of cases can show; seeds are fixed.
 #include "scree/inference/diagnosis.hpp"
 
+#include "scree/base/error.hpp"
 #include "scree/base/random.hpp"
 
 #include <gtest/gtest.h>
@@ -260,6 +261,14 @@ TEST(Diagnosis, DependsOnTheSeedAlone) {
     EXPECT_EQ(a.score.q, b.score.q);
     ASSERT_EQ(a.findings.size(), b.findings.size());
     for (std::size_t k = 0; k < a.findings.size(); ++k) EXPECT_EQ(a.findings[k].weight, b.findings[k].weight);
+}
+
+TEST(Diagnosis, RefusesATestOfWhichTooLittleIsKnown) {
+    const auto blocks = blocks_of_test();
+    ObservationTable table = measured(blocks, 1, {});
+    for (std::vector<double>& column : table.values)
+        std::fill(column.begin() + ResidualSpace::kLeastRows - 1, column.end(), kNaN);
+    EXPECT_THROW(diagnosis_of(blocks, problem_for(blocks, all_effects()), table, 1), InputError);
 }
 
 TEST(Diagnosis, StopsWhereTheSimulationIsStopped) {
