@@ -6,8 +6,7 @@ Usage: diagnose_sites.py SCREE [--output DIR] [--only NAME ...] [--threads N] [-
 
 Names: authume_2d, authume_3d, tschamut. A diagnosis takes from ten minutes to a few hours of one core; one that is in DIR is not done again, one that
 was stopped goes on. Writes DIR/NAME/ (report.html, diagnosis.json) and prints the verdicts. The extended sites of Authume are frozen beside
-authume/programme.py. The five runs of Chant Sura are too few: what scree says to them is checked by compare_sites.py. The data are found by
-SCREE_SHARED_DATA; without them: exit code 77.
+authume/programme.py. The five runs of Chant Sura are too few for a diagnosis. The data are found by SCREE_SHARED_DATA; without them: exit code 77.
 """
 import argparse
 import json
@@ -20,10 +19,11 @@ import observations
 from sites import HERE, PREFIX, path_changes, site_file
 
 SOILS = ["soil.*.restitution=0:0.5", "soil.*.friction=0.3:0.9", "soil.*.rolling=0.002:0.3:log"]
+SEARCH = ["calibration.starts=4", "calibration.generations=16"]  # as in authume/programme.py
 # name -> (site, free keys, more changes)
 DIAGNOSES = {
-    "authume_2d": ("authume_P1", [*SOILS, "release.height=2:8.5"], ["model.dimension=2"]),
-    "authume_3d": ("authume_P1", [*SOILS, "release.height=2:8.5"], ["model.dimension=3"]),
+    "authume_2d": ("authume_P1", [*SOILS, "release.height=2:8.5"], ["model.dimension=2", *SEARCH]),
+    "authume_3d": ("authume_P1", [*SOILS, "release.height=2:8.5"], ["model.dimension=3", *SEARCH]),
     "tschamut": ("tschamut", [*SOILS, "release.height=0.1:1"], []),
 }
 
@@ -39,7 +39,7 @@ def diagnose(args, name):
         line += ["--free", key]
     for change in [*changes, *args.set]:
         line += ["--set", change]
-    if (args.output / name).exists():
+    if (args.output / f"{name}.journal").exists():
         line.append("--resume")
     done = subprocess.run(line, capture_output=True, text=True)
     (args.output / f"{name}.txt").write_text(done.stdout + done.stderr)
