@@ -526,7 +526,7 @@ private:
         while (first < previous_.size() && !closes(first)) ++first;
         if (first == previous_.size()) return false;
         predicted_ = predicted(s, h);
-        finder_.detect(predicted_.position, rotation_of(predicted_), 4.0 * reach + settings_.release_gap, found_);
+        finder_.detect(predicted_.position, rotation_of(predicted_), 1.5 * reach + settings_.activation_gap, found_);
         for (std::size_t c = first; c < previous_.size(); ++c) {
             if (!closes(c)) continue;
             const auto same = std::find_if(found_.begin(), found_.end(),
