@@ -76,8 +76,7 @@ public:
     /// directions at both ends. So positions, which move with the mean velocity, keep contacts closed to third order in h: with directions of the
     /// start alone a block that rolls over a corner is lifted off it by (h omega)^2 / 2 of the corner's arm in every step.
     void look_ahead(const BlockState<Dim>& state, double h) {
-        const auto rotation = rotation_matrix(turned(state.orientation, Spin(h * state.spin)));
-        const typename Space<Dim>::Rotation turn = rotation * rotation_.transpose();
+        const auto [rotation, turn] = turn_by(state.orientation, rotation_, Spin(h * state.spin));
         end_rows_.resize(rows_.size());
         mean_rows_.resize(rows_.size());
         for (std::size_t c = 0; c < contacts_.size(); ++c) {

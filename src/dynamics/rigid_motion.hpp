@@ -24,25 +24,47 @@ inline Mat2 rotation_matrix(double angle) {
     return r;
 }
 
-/// Rotation by the exponential map of a body-frame rotation vector [rad]. Up to 0.4 rad the series of sine and cosine are exact to rounding.
-inline Quat turned(const Quat& q, const Vec3& angle) {
-    const double square = 0.25 * angle.squaredNorm();  // of half the angle
-    double c = 0.0, s = 0.0;                           // cosine of half the angle, half of sine over half the angle
+/// Cosine of an angle, and sine over the angle, from its square: the series are exact to rounding up to 0.2 rad.
+struct CosineAndSine {
+    double cosine, sine_over_angle;
+};
+inline CosineAndSine of_squared_angle(double square) {
     if (square < 0.04) {
         auto term = [&](double n, double rest) { return 1.0 - square * (1.0 / n) * rest; };
-        c = term(2, term(12, term(30, term(56, term(90, 1.0)))));
-        s = 0.5 * term(6, term(20, term(42, term(72, term(110, 1.0)))));
-    } else {
-        const double half = std::sqrt(square);
-        c = std::cos(half);
-        s = 0.5 * std::sin(half) / half;
+        return {term(2, term(12, term(30, term(56, term(90, 1.0))))),
+                term(6, term(20, term(42, term(72, term(110, 1.0)))))};
     }
+    const double angle = std::sqrt(square);
+    return {std::cos(angle), std::sin(angle) / angle};
+}
+
+/// Rotation by the exponential map of a body-frame rotation vector [rad].
+inline Quat turned(const Quat& q, const Vec3& angle) {
+    const auto [c, over] = of_squared_angle(0.25 * angle.squaredNorm());  // of half the angle
+    const double s = 0.5 * over;
     Quat result = q * Quat(c, s * angle.x(), s * angle.y(), s * angle.z());
     result.coeffs() *= 1.5 - 0.5 * result.squaredNorm();  // of a length that is one but for rounding
     return result;
 }
 inline double turned(double angle, const Space<2>::Spin& by) {
     return angle + by[0];
+}
+
+/// How a block with this orientation and rotation matrix turns by an angle: the matrix then, and the rotation from now to then in the local frame.
+template <int Dim>
+struct Turn {
+    typename Space<Dim>::Rotation then, turn;
+};
+inline Turn<3> turn_by(const Quat& q, const Mat3& now, const Vec3& angle) {
+    const Mat3 then = rotation_matrix(turned(q, angle));
+    return {then, then * now.transpose()};
+}
+inline Turn<2> turn_by(double, const Mat2& now, const Space<2>::Spin& angle) {
+    const auto [c, over] = of_squared_angle(angle[0] * angle[0]);
+    const double s = over * angle[0];
+    Mat2 turn;
+    turn << c, -s, s, c;
+    return {turn * now, turn};
 }
 
 inline bool same(const Quat& a, const Quat& b) {
