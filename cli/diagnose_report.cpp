@@ -117,9 +117,11 @@ std::string held_out_text(const CalibratedModel& m) {
     return m.result.folds.empty() ? "-" : gap_number(m.result.held_out.gap());
 }
 
-/// Share of the removable held-out loss: down to what one more repeat of the simulation would lose.
-double closed_share(const DiagnoseStudy& study, const AnswerFit& a) {
+/// Share of the removable held-out loss: down to what one more repeat of the simulation would lose. Nothing where there are no folds, or where the model
+/// without the answer loses no more than that: what is minimised then says nothing of what is missing.
+std::optional<double> closed_share(const DiagnoseStudy& study, const AnswerFit& a) {
     const CalibrationFit &without = study.baseline.result.held_out, &with = a.model.result.held_out;
+    if (study.baseline.result.folds.empty() || !(without.loss > with.floor)) return std::nullopt;
     return (without.loss - with.loss) / (without.loss - with.floor);
 }
 
@@ -221,7 +223,8 @@ std::vector<std::string> diagnose_remarks(const DiagnoseStudy& study) {
         for (const AnsweredEffect& e : a.effects)
             if (e.strength > (1.0 - kInRange) * e.variant->most)
                 remarks.push_back("the strength of " + e.candidate->name + " lies at the end of what was searched");
-        if (!study.baseline.result.folds.empty() && !(closed_share(study, a) > 0.0))
+        if (!study.baseline.result.folds.empty() &&
+            !(a.model.result.held_out.loss < study.baseline.result.held_out.loss))
             remarks.push_back("the prediction of blocks held out does not improve with " + a.name());
         if (a.study.overall.beyond_chance())
             remarks.push_back("with " + a.name() + " the model is still beyond chance as a whole");
@@ -264,9 +267,8 @@ void print_answers(std::ostream& out, const DiagnoseStudy& study) {
     for (const AnswerFit& a : study.answers) {
         for (const AnsweredEffect& e : a.effects)
             out << "  " << variant_name(*e.variant) << ": " << strength_text(e) << "\n";
-        if (!study.baseline.result.folds.empty())
-            out << "  closes " << short_number(100.0 * std::min(1.0, closed_share(study, a)))
-                << " % of the removable held-out gap\n";
+        if (const auto share = closed_share(study, a))
+            out << "  closes " << short_number(100.0 * std::min(1.0, *share)) << " % of the removable held-out gap\n";
     }
 }
 
@@ -336,7 +338,7 @@ Json answer_json(const DiagnoseStudy& study, const AnswerFit& a, const AnsweredE
     if (!study.baseline.result.folds.empty()) {
         json["held_out_loss"] = a.model.result.held_out.loss;
         json["held_out_gap"] = a.model.result.held_out.gap();
-        json["removable_gap_closed"] = closed_share(study, a);
+        if (const auto share = closed_share(study, a)) json["removable_gap_closed"] = *share;
     }
     for (std::size_t k = 0; k < a.model.point.values.size(); ++k)
         json["calibrated"][study.keys.problem.parameters[k].name] = a.model.point.values[k];
