@@ -235,7 +235,9 @@ class Case:
         v[:, 1] += POSITION_ERROR * random.standard_normal(len(v))
         if name == "ids_shuffled" and q > 0.0:
             some = np.flatnonzero(random.uniform(size=len(v)) < q)
-            v[some, 0] = v[random.permutation(some), 0]
+            self.taken_for = np.arange(len(v))  # rows of the blocks that these are taken for
+            self.taken_for[some] = random.permutation(some)
+            v[:, 0] = v[self.taken_for, 0]
         return v
 
     def features(self, v, scale):
@@ -359,9 +361,9 @@ class Case:
         (case / "observed").mkdir(parents=True)
         soils = {name: dict(START) for name in self.soils}
         (case / "site.toml").write_text(self.site(f"../../sites/{self.slope}", soils, (), "blocks.csv", self.n, 1))
-        mass_of = {round(row[1], 6): row[0] for row in self.blocks}
-        # after a mix-up of the numbers a row carries those of the block that it is taken for
-        names = [mass_of.get(round(m, 6), i) for m, i in zip(measured[:, 0], ids)] if self.fault and self.fault[0] == "ids_shuffled" else ids
+        names = ids
+        if self.fault and self.fault[0] == "ids_shuffled":
+            names = [ids[row] for row in self.taken_for]
         rows = sorted(zip(names, measured.tolist()))
         with open(case / "blocks.csv", "w", newline="", encoding="utf-8") as file:
             csv.writer(file, lineterminator="\n").writerows([["block_id", "mass_kg", "L1_m", "L2_m", "L3_m"], *self.blocks])

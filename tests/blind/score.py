@@ -49,7 +49,7 @@ def read(folder):
             "delta": max((h["delta"] for h in truth["hidden"] if h["delta"] is not None), default=None), "verdict": result["verdict"],
             "names": (" and " if answer and answer[0]["together"] else " or ").join(names), "right": any(right), "all_right": bool(right) and all(right),
             "both": len(families) == 2 and len(names) == 2 and all(any(name in f for name in names) for f in families),
-            "top": bool(ranked) and any(ranked[0]["effect"] in f for f in families), "p": result["global_test"].get("p"),
+            "top": bool(ranked) and any(ranked[0]["effect"] in f for f in families), "p": result.get("global_test", {}).get("p"),
             "covered": covered(truth, answer), "closed": answer[0].get("removable_gap_closed") if answer else None,
             "worse": answer[0]["held_out_loss"] >= result["baseline"]["held_out_loss"] if answer else None, "place_error": place_error(truth, answer),
             "simulated": result["simulated_blocks"]})
