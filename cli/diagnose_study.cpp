@@ -16,6 +16,8 @@ namespace {
 
 /// Steps of derivatives in shares of a parameter's range: about its uncertainty, within these [-].
 constexpr double kLeastStep = 0.03, kMostStep = 0.15, kPlannedStep = 0.08;
+/// 97.5 % quantile of the normal distribution [-].
+constexpr double kNinetyFive = 1.959964;
 /// A gap over all so many times the largest of 95 % of chance is far beyond it [-].
 constexpr double kFarBeyond = 2.0;
 
@@ -26,6 +28,14 @@ double to_unit(const CalibrationParameter& p, double value) {
 double from_unit(const CalibrationParameter& p, double u) {
     const double v = p.logarithmic ? p.low * std::pow(p.high / p.low, u) : p.low + u * (p.high - p.low);
     return std::clamp(v, p.low, p.high);
+}
+
+/// 95 % of a strength: as all residuals of the test say, if they do, else as the refit says, which minimises one distance and often tells little of it.
+Interval strength_interval(const AnsweredEffect& e, const Interval& of_refit) {
+    const EffectFinding& f = e.finding;
+    if (!std::isfinite(f.strength_deviation)) return of_refit;
+    const double reach = kNinetyFive * f.strength_deviation;
+    return {std::max(f.strength - reach, 0.0), std::min(f.strength + reach, e.variant->most)};
 }
 
 class Runner {
@@ -207,7 +217,8 @@ private:
         const std::size_t first = fit.model.result.parameters.size() - fit.effects.size();
         for (std::size_t k = 0; k < fit.effects.size(); ++k) {
             fit.effects[k].strength = fit.model.strengths[k];
-            fit.effects[k].interval = fit.model.result.parameters[first + k].interval;
+            fit.effects[k].interval =
+                strength_interval(fit.effects[k], fit.model.result.parameters[first + k].interval);
         }
         fit.study = compared(fit.model, fit.effects, fit.campaign);
         study_.answers.push_back(std::move(fit));

@@ -373,6 +373,7 @@ void Diagnoser::weigh(Diagnosis& d, std::vector<Hypothesis>& followed) const {
         f.z = d.score.z[static_cast<Eigen::Index>(followed[k].fingerprint)];
         f.visibility = d.score.visibility[static_cast<Eigen::Index>(followed[k].fingerprint)];
         f.strength = followed[k].strength;
+        f.strength_deviation = followed[k].strength_deviation;
         f.parameters.assign(followed[k].parameters.data(),
                             followed[k].parameters.data() + followed[k].parameters.size());
         f.misfit = followed[k].q;

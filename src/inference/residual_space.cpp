@@ -126,8 +126,7 @@ void ResidualSpace::choose(const ObservationTable& measured, const ResidualSetti
         wanted.push_back({ResidualKind::Spread, c, {}, kNaN, kNaN});
         if (!log_mass_.empty()) wanted.push_back({ResidualKind::MassTrend, c, {}, kNaN, kNaN});
         if (!log_shape_.empty()) wanted.push_back({ResidualKind::ShapeTrend, c, {}, kNaN, kNaN});
-        if (!order_.empty() && is_course(c.quantity))
-            wanted.push_back({ResidualKind::OrderTrend, c, {}, kNaN, kNaN});
+        if (!order_.empty() && is_course(c.quantity)) wanted.push_back({ResidualKind::OrderTrend, c, {}, kNaN, kNaN});
     }
     for (std::size_t a = 0; a < levels.size(); ++a)
         for (std::size_t b = a + 1; b < levels.size(); ++b)

@@ -130,17 +130,20 @@ TEST(Diagnosis, NamesWhatIsHidden) {
     const auto blocks = blocks_of_test();
     const DiagnosisProblem problem = problem_for(blocks, all_effects());
     for (const std::size_t hidden : {std::size_t{kMassTrend}, std::size_t{kSpeedBias}}) {
-        int right = 0, near = 0;
+        int right = 0, near = 0, covered = 0;
         const double strength = hidden == kMassTrend ? 3.0 : 2.5;
         for (std::uint64_t k = 0; k < 10; ++k) {
             const Diagnosis d = diagnosis_of(blocks, problem, measured(blocks, 100 + k, {{hidden, 0, strength}}), k);
             if (d.answer.size() != 1 || d.answer.front().effect != hidden) continue;
             ++right;
             EXPECT_EQ(d.verdict, hidden == kSpeedBias ? Verdict::DataProblem : Verdict::Named);
-            near += std::abs(d.answer.front().strength - strength) < 1.0;
+            const double error = std::abs(d.answer.front().strength - strength);
+            near += error < 1.0;
+            covered += error < 1.96 * d.answer.front().strength_deviation;
         }
         EXPECT_GE(right, 8) << problem.effects[hidden].name;
         EXPECT_GE(near, 6) << problem.effects[hidden].name;
+        EXPECT_GE(covered, right - 2) << problem.effects[hidden].name;  // 95 %
     }
 }
 

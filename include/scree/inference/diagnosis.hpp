@@ -95,7 +95,9 @@ struct EffectFinding {
     std::size_t seen_variant = 0;  ///< the variant that this strength is of
     // of finalists
     bool finalist = false;
-    double strength = kNaN;          ///< that explains most; its interval is a matter of a calibration with it [-]
+    double strength = kNaN;  ///< that explains most [-]
+    double strength_deviation =
+        kNaN;                        ///< its standard deviation, the parameters being free; NaN if it is one of two [-]
     std::vector<double> parameters;  ///< with it [*]
     double misfit = kNaN;            ///< Q that is left [-]
     double p = kNaN;                 ///< of so much being left if this is the answer [-]
