@@ -26,6 +26,9 @@ constexpr double kStrengthStep = 1.5, kStrengthShare = 0.2, kMostStrengthStep = 
 /// Finalists that leave so much more than the best one at most are surveyed once more with it, by so many times the repeats [-].
 constexpr double kCloseRace = 10.0;
 constexpr std::int64_t kRaceRepeats = 2;
+/// Surveys of it at most [-]; and the p of what the best of them leaves, as a share of the level at which it is an explanation, below which there is nothing to decide [-].
+constexpr int kRaceRounds = 2;
+constexpr double kHopeless = 0.25;
 /// Samples of a simulation that its goodness of fit is judged by [-].
 constexpr std::int64_t kFitDraws = 299;
 
@@ -299,23 +302,35 @@ bool Diagnoser::follow(Hypothesis& h) {
     return true;
 }
 
-/// Half the repeats find the way, but their noise must not decide between effects that leave nearly the same. Where none of them is an explanation there is nothing to decide.
+/// Half the repeats find the way, but their noise must not decide between effects that leave nearly the same, nor whether any of them is an explanation.
 bool Diagnoser::decide_close_race(std::vector<Hypothesis>& followed) {
-    double best = kInfinity;
-    for (const Hypothesis& h : followed) best = std::min(best, h.q);
+    double best = kInfinity, best_p = 0.0;
+    for (const Hypothesis& h : followed) {
+        best = std::min(best, h.q);
+        best_p = std::max(best_p, h.p);
+    }
     const auto close = [&](const Hypothesis& h) { return h.q < best + kCloseRace; };
     const auto runners = static_cast<std::size_t>(std::count_if(followed.begin(), followed.end(), close));
-    if (runners < 2 || !explained_by(followed)) return true;
+    if (runners < 2 || best_p <= kHopeless * settings_.rejected) return true;
     planned_ += runners * 2 * design_size(problem_.calibrated.size() + 1);
     for (Hypothesis& h : followed) {
         if (!close(h)) continue;
-        Survey s;
-        s.at.resize(h.step.size());
-        s.at << h.parameters, h.strength;
-        s.step = h.step;
-        if (!survey(s, h.fingerprint, kRaceRepeats * settings_.repeats)) return false;
-        judge(h, s);
-        h.p = goodness_of_fit(s, h.q);
+        h.q = kInfinity;
+        bool more = true;
+        for (int round = 0; round < kRaceRounds && more; ++round) {
+            Survey s;
+            s.at.resize(h.step.size());
+            s.at << h.parameters, h.strength;
+            s.step = h.step;
+            if (!survey(s, h.fingerprint, kRaceRepeats * settings_.repeats)) return false;
+            Hypothesis here = h;
+            judge(here, s);
+            if (!(here.q < h.q)) break;
+            here.p = goodness_of_fit(s, here.q);
+            h = std::move(here);
+            const LocalMisfit misfit(s, prior_of(h.fingerprint));
+            more = misfit.at(misfit.best(around(s, h.fingerprint, kTrust))) < h.q - kSettled;
+        }
     }
     return true;
 }
