@@ -317,6 +317,7 @@ Json finding_json(const DiagnoseStudy& study, const EffectFinding& f) {
     if (f.finalist) {
         json["strength"] = f.strength;
         json["value"] = v.value(f.strength);
+        json["left_over"] = f.misfit;
         json["left_over_p"] = f.p;
         json["weight"] = f.weight;
     }

@@ -135,7 +135,8 @@ private:
         std::optional<ScoreTest> test;  ///< with the fingerprints
     };
     Base base_;
-    Eigen::VectorXd deviation_;  ///< of the parameters before the test: of their ranges
+    Eigen::VectorXd deviation_;        ///< of the parameters before the test: of their ranges
+    double left_without_ = kInfinity;  ///< by the model without effects, followed from the calibrated parameters [-]
     std::size_t done_ = 0, planned_ = 0;
     std::int64_t simulated_ = 0;
     std::uint64_t next_seed_ = 0;

@@ -32,6 +32,8 @@ constexpr double kLeastMove = 1.5;
 constexpr double kTellingStep = 1.5, kFarStep = 2.0, kLeastStep = 0.005;
 /// Share of a derivative's squared length that is taken for noise, at most [-].
 constexpr double kMostNoise = 0.5;
+/// Three standard deviations of the difference between what two surveys leave, of Q [-].
+constexpr double kQNoise = 8.0;
 /// What another place for the parameters must leave less to be looked at, of Q [-].
 constexpr double kWorthMoving = 8.0;
 
@@ -302,7 +304,9 @@ bool Diagnoser::move_base(Diagnosis& d, const Hypothesis& without) {
 bool Diagnoser::settle_base(Diagnosis& d) {
     planned_ += of_finalist();
     Hypothesis without;
-    return follow(without) && move_base(d, without);
+    if (!follow(without)) return false;
+    left_without_ = without.q;
+    return move_base(d, without);
 }
 
 /// Where nothing that was followed could have produced the measurements: a calibration makes up for what is missing, with parameters at which the missing effect may be out of sight: a rolling resistance that grows with size
@@ -332,7 +336,8 @@ bool Diagnoser::follow_from_given(Diagnosis& d, std::vector<Hypothesis>& followe
 
 /// Posterior weights of the finalists: likelihood, times the price of the strength (Laplace's approximation with a prior that is flat over the
 /// allowed strengths) and of the choice among effects and variants. The calibrated model is weighed against the best of them by the z of its
-/// fingerprint, whose noise is that of one simulation and not of two; where that was out of sight, by what it leaves itself.
+/// fingerprint, whose noise is that of one simulation and not of two; by what it leaves itself, once followed as effects are, where that is more beyond the
+/// noise of two; and by that alone where the effect was out of sight.
 void Diagnoser::weigh(Diagnosis& d, std::vector<Hypothesis>& followed) const {
     std::vector<double> log_weight;
     auto price = [&](const Hypothesis& h) {
@@ -358,7 +363,8 @@ void Diagnoser::weigh(Diagnosis& d, std::vector<Hypothesis>& followed) const {
     for (const Hypothesis& h : followed) log_weight.push_back(log_of(h));
     const Hypothesis& best = followed.front();
     const double z = d.score.z[static_cast<Eigen::Index>(best.fingerprint)];
-    const double gain = best.from_given ? std::max(d.score.q - best.q, 0.0) : z * z;
+    const double gain = best.from_given ? std::max(d.score.q - best.q, 0.0)
+                                        : std::max(z * z, std::min(d.score.q, left_without_) - best.q - kQNoise);
     const double log_none = log_weight.front() - 0.5 * gain - price(best) + std::log(settings_.prior_none);
     const double most = std::max(log_weight.front(), log_none);
     double sum = std::exp(log_none - most);
