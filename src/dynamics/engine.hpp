@@ -526,6 +526,7 @@ private:
         while (first < previous_.size() && !closes(first)) ++first;
         if (first == previous_.size()) return false;
         predicted_ = predicted(s, h);
+        // what closes is at most half a reach away, and comes no farther off than a reach meanwhile
         finder_.detect(predicted_.position, rotation_of(predicted_), 1.5 * reach + settings_.activation_gap, found_);
         for (std::size_t c = first; c < previous_.size(); ++c) {
             if (!closes(c)) continue;
