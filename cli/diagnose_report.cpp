@@ -223,10 +223,6 @@ std::vector<std::string> diagnose_remarks(const DiagnoseStudy& study) {
         for (const AnsweredEffect& e : a.effects)
             if (e.strength > (1.0 - kInRange) * e.variant->most)
                 remarks.push_back("the strength of " + e.candidate->name + " lies at the end of what was searched");
-        for (const AnsweredEffect& e : a.effects)
-            if (e.strength < e.interval.low || e.strength > e.interval.high)
-                remarks.push_back("the refitted strength of " + e.candidate->name +
-                                  " lies outside its interval: what the refit minimises says little of it");
         if (!study.baseline.result.folds.empty() &&
             !(a.model.result.held_out.loss < study.baseline.result.held_out.loss))
             remarks.push_back("the prediction of blocks held out does not improve with " + a.name());

@@ -30,10 +30,11 @@ double from_unit(const CalibrationParameter& p, double u) {
     return std::clamp(v, p.low, p.high);
 }
 
-/// 95 % of a strength: as all residuals of the test say, if they do, else as the refit says, which minimises one distance and often tells little of it.
-Interval strength_interval(const AnsweredEffect& e, const Interval& of_refit) {
+/// Where a strength is with 95 %, as all residuals of the test say; any that is allowed if they do not. A refit minimises one distance, which often tells
+/// little of a strength: it has to stay here.
+Interval strength_range(const AnsweredEffect& e) {
     const EffectFinding& f = e.finding;
-    if (!std::isfinite(f.strength_deviation)) return of_refit;
+    if (!std::isfinite(f.strength_deviation)) return {0.0, e.variant->most};
     const double reach = kNinetyFive * f.strength_deviation;
     return {std::max(f.strength - reach, 0.0), std::min(f.strength + reach, e.variant->most)};
 }
@@ -152,9 +153,11 @@ private:
         if (!effects.empty())
             for (std::size_t k = 0; k < effects.front().finding.parameters.size(); ++k)
                 problem.parameters[k].start = from_unit(problem.parameters[k], effects.front().finding.parameters[k]);
-        for (const AnsweredEffect& e : effects)
+        for (const AnsweredEffect& e : effects) {
+            const Interval range = strength_range(e);
             problem.parameters.push_back(
-                {"strength of " + e.candidate->name, 0.0, e.variant->most, e.finding.strength, false});
+                {"strength of " + e.candidate->name, range.low, range.high, e.finding.strength, false});
+        }
         const CalibrationLoss loss(GapFunction(in_.observed.observations, in_.observed.op));
         problem.records = loss.records();
         std::error_code ignored;
@@ -217,8 +220,9 @@ private:
         const std::size_t first = fit.model.result.parameters.size() - fit.effects.size();
         for (std::size_t k = 0; k < fit.effects.size(); ++k) {
             fit.effects[k].strength = fit.model.strengths[k];
-            fit.effects[k].interval =
-                strength_interval(fit.effects[k], fit.model.result.parameters[first + k].interval);
+            fit.effects[k].interval = std::isfinite(findings[k].strength_deviation)
+                                          ? strength_range(fit.effects[k])
+                                          : fit.model.result.parameters[first + k].interval;
         }
         fit.study = compared(fit.model, fit.effects, fit.campaign);
         study_.answers.push_back(std::move(fit));

@@ -27,7 +27,7 @@ struct AnsweredEffect {
     const DiagnosisVariant* variant = nullptr;
     EffectFinding finding;
     double strength = 0.0;  ///< refitted [-]
-    Interval interval;      ///< 95 % of it, as the residuals of the test say; the refit may end outside [-]
+    Interval interval;      ///< 95 % of it, as the residuals of the test say, within which the refit stays [-]
 };
 
 /// An answer, refitted: one effect, or two that act together.

@@ -53,7 +53,7 @@ bool explain_with_two(const DiagnosisProblem& problem, const DiagnosisSimulation
     if (share < kLeastStrength) return true;
     parameters.pop_back();
     first.strength = most * share;
-    first.strength_deviation = kNaN;
+    if (pair) first.strength_deviation = kNaN;  // that of the first alone says too little
     first.parameters = parameters;
     first.p = more.test.p;
     d.answer = {first};
