@@ -117,14 +117,6 @@ std::string held_out_text(const CalibratedModel& m) {
     return m.result.folds.empty() ? "-" : gap_number(m.result.held_out.gap());
 }
 
-/// Share of the removable held-out loss: down to what one more repeat of the simulation would lose. Nothing where there are no folds, or where the model
-/// without the answer loses no more than that: what is minimised then says nothing of what is missing.
-std::optional<double> closed_share(const DiagnoseStudy& study, const AnswerFit& a) {
-    const CalibrationFit &without = study.baseline.result.held_out, &with = a.model.result.held_out;
-    if (study.baseline.result.folds.empty() || !(without.loss > with.floor)) return std::nullopt;
-    return (without.loss - with.loss) / (without.loss - with.floor);
-}
-
 std::string names_of(const std::vector<AnswerFit>& answers) {
     std::string text;
     for (std::size_t k = 0; k < answers.size(); ++k)
@@ -267,7 +259,7 @@ void print_answers(std::ostream& out, const DiagnoseStudy& study) {
     for (const AnswerFit& a : study.answers) {
         for (const AnsweredEffect& e : a.effects)
             out << "  " << variant_name(*e.variant) << ": " << strength_text(e) << "\n";
-        if (const auto share = closed_share(study, a))
+        if (const auto share = removable_gap_closed(study, a))
             out << "  closes " << short_number(100.0 * std::min(1.0, *share)) << " % of the removable held-out gap\n";
     }
 }
@@ -339,7 +331,7 @@ Json answer_json(const DiagnoseStudy& study, const AnswerFit& a, const AnsweredE
     if (!study.baseline.result.folds.empty()) {
         json["held_out_loss"] = a.model.result.held_out.loss;
         json["held_out_gap"] = a.model.result.held_out.gap();
-        if (const auto share = closed_share(study, a)) json["removable_gap_closed"] = *share;
+        if (const auto share = removable_gap_closed(study, a)) json["removable_gap_closed"] = *share;
     }
     for (std::size_t k = 0; k < a.model.point.values.size(); ++k)
         json["calibrated"][study.keys.problem.parameters[k].name] = a.model.point.values[k];

@@ -284,6 +284,12 @@ void judge_refits(DiagnoseStudy& study) {
     std::stable_partition(answers.begin(), answers.end(), better);
 }
 
+std::optional<double> removable_gap_closed(const DiagnoseStudy& study, const AnswerFit& answer) {
+    const CalibrationFit &without = study.baseline.result.held_out, &with = answer.model.result.held_out;
+    if (study.baseline.result.folds.empty() || !(without.loss > with.floor)) return std::nullopt;
+    return (without.loss - with.loss) / (without.loss - with.floor);
+}
+
 void run_study(const DiagnoseInput& input, DiagnoseStudy& study) {
     study.audit = input.observed.findings;
     study.blocks = measured_blocks(input.observed.observations);

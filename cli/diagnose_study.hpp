@@ -91,12 +91,16 @@ void run_study(const DiagnoseInput& input, DiagnoseStudy& study);
 /// no better than the model without it: the verdict becomes UNKNOWN if no answer is left, and those that are left come first.
 void judge_refits(DiagnoseStudy& study);
 
+/// Share of the removable loss on held-out blocks: down to what one more repeat of the simulation would lose [-]. Nothing where there are no folds, or
+/// where the model without the answer loses no more than that: what is minimised then says nothing of what is missing.
+std::optional<double> removable_gap_closed(const DiagnoseStudy& study, const AnswerFit& answer);
+
 /// What the test in `input.observed`, of which values say only what would be measured, could see with the site's own parameters.
 void plan_study(const DiagnoseInput& input, DiagnoseStudy& study);
 
-/// The site with the calibrated values and the effects, as it would be simulated.
 /// Where an effect acts lies beside the results, in a layer of this name, if it acts in a place.
 std::string zone_name(std::size_t effect);
+/// The site with the calibrated values and the effects, as it would be simulated.
 SiteFile extended_site(const DiagnoseStudy& study, const AnswerFit& answer);
 
 }  // namespace scree::cli

@@ -83,5 +83,21 @@ TEST(DiagnoseRefits, NothingAnsweredNothingTaken) {
     EXPECT_THAT(study.demoted, IsEmpty());
 }
 
+TEST(DiagnoseRefits, TheShareClosedIsThatOfWhatCouldBeClosed) {
+    const DiagnoseStudy study = study_of({});
+    AnswerFit half = answer("ground_drag", 1.0, 0.9);
+    half.model.result.held_out.floor = 0.8;
+    ASSERT_TRUE(removable_gap_closed(study, half));
+    EXPECT_NEAR(*removable_gap_closed(study, half), 0.5, 1e-12);
+    half.model.result.held_out.floor = 1.0;
+    EXPECT_FALSE(removable_gap_closed(study, half)) << "nothing was left to close";
+}
+
+TEST(DiagnoseRefits, WithoutFoldsNoShareIsClosed) {
+    DiagnoseStudy study = study_of({});
+    study.baseline.result.folds.clear();
+    EXPECT_FALSE(removable_gap_closed(study, answer("ground_drag", 1.0, 0.5)));
+}
+
 }  // namespace
 }  // namespace scree::cli

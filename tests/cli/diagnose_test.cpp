@@ -86,6 +86,9 @@ TEST(Diagnose, NamesAFaultOfTheMeasurementAndWritesAllOfIt) {
     EXPECT_EQ(answer.at("effect"), "speed_error");
     EXPECT_EQ(answer.at("label"), "too fast");
     EXPECT_NEAR(answer.at("value").get<double>(), 0.35, 0.1);
+    EXPECT_LE(answer.at("interval_95")[0], answer.at("value")) << "the refit stays within";
+    EXPECT_GE(answer.at("interval_95")[1], answer.at("value"));
+    EXPECT_LT(answer.at("interval_95")[1].get<double>() - answer.at("interval_95")[0].get<double>(), 0.5);
     EXPECT_LT(answer.at("held_out_loss"), j.at("baseline").at("held_out_loss"));
     EXPECT_GT(answer.at("removable_gap_closed").get<double>(), 0.5);
     EXPECT_LE(j.at("global_test").at("p").get<double>(), 0.05);
