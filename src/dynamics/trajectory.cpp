@@ -7,11 +7,21 @@
 #include "dynamics/plane_contacts.hpp"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 
 namespace scree {
 
 namespace {
+
+/// Exponent and first bit of the mantissa of a double: a number for every half of an octave.
+constexpr std::int64_t half_octave(double d) {
+    return static_cast<std::int64_t>(std::bit_cast<std::uint64_t>(d) >> 51);
+}
+constexpr double end_of_half_octave(std::int64_t k) {
+    return std::bit_cast<double>(static_cast<std::uint64_t>(k + 1) << 51);
+}
+constexpr double kLeastPenetration = 0x1p-20;  ///< where the bins begin [m]
 
 /// Step of the search for a free place, as a share of the block's thickness: a crest does not fit between two places [-].
 constexpr double kClearingStep = 0.5;
@@ -54,8 +64,8 @@ bool any_on_motion(const EffectInput& input) {
 
 void TrajectoryCounters::add_penetration(double depth) {
     largest_penetration = std::max(largest_penetration, depth);
-    const double bin = depth > 0.0 ? std::floor(4.0 * (std::log10(depth) + 6.0)) : 0.0;
-    ++penetration[static_cast<std::size_t>(std::clamp(bin, 0.0, static_cast<double>(penetration.size() - 1)))];
+    const std::int64_t bin = half_octave(std::max(depth, 0.0)) - half_octave(kLeastPenetration);
+    ++penetration[static_cast<std::size_t>(std::clamp<std::int64_t>(bin, 0, std::ssize(penetration) - 1))];
 }
 
 void TrajectoryCounters::merge(const TrajectoryCounters& o) {
@@ -83,7 +93,7 @@ double TrajectoryCounters::penetration_quantile(double share) const {
     for (std::size_t k = 0; k < penetration.size(); ++k) {
         sum += penetration[k];
         if (static_cast<double>(sum) >= share * static_cast<double>(total))
-            return std::pow(10.0, (static_cast<double>(k) + 1.0) / 4.0 - 6.0);
+            return end_of_half_octave(half_octave(kLeastPenetration) + static_cast<std::int64_t>(k));
     }
     return 0.0;
 }

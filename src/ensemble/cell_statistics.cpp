@@ -2,33 +2,43 @@
 #include "scree/ensemble/cell_statistics.hpp"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 
 namespace scree {
 
 namespace {
 
-const double kRatio = (1.0 + kQuantileError) / (1.0 - kQuantileError);
-const double kLogRatio = std::log(kRatio);
-constexpr double kSmallest = 1e-3;  ///< below, a value is in the zero bin
-constexpr std::int32_t kZeroBin = INT32_MIN;
+constexpr double kSmallest = 1e-3;  ///< below, a value is in bin zero
 constexpr double kSumUnit = 1e-4;
 
+/// Exponent and first six bits of the mantissa of a double: bins that are wider than the last by at most 1/64, without a logarithm.
+constexpr int kDropped = 46;
+static_assert(1.0 / 128.0 < kQuantileError);
+
 std::int32_t bin_of(double value) {
-    return value < kSmallest ? kZeroBin : static_cast<std::int32_t>(std::ceil(std::log(value) / kLogRatio));
+    return value < kSmallest ? 0 : static_cast<std::int32_t>(std::bit_cast<std::uint64_t>(value) >> kDropped);
 }
 
-/// The value that is off by at most the stated error everywhere in (ratio^(bin-1), ratio^bin].
+/// The value that is off by at most the stated error everywhere in the bin: the harmonic mean of its ends.
 double value_of(std::int32_t bin) {
-    return bin == kZeroBin ? 0.0 : 2.0 * std::exp(bin * kLogRatio) / (kRatio + 1.0);
+    if (bin == 0) return 0.0;
+    const auto end = [](std::int32_t b) { return std::bit_cast<double>(static_cast<std::uint64_t>(b) << kDropped); };
+    const double low = end(bin), high = end(bin + 1);
+    return 2.0 * low * high / (low + high);
 }
 
 }  // namespace
 
 void LogHistogram::add(double value) {
     const std::int32_t bin = bin_of(value);
-    const auto place = std::lower_bound(bins_.begin(), bins_.end(), bin,
-                                        [](const auto& b, std::int32_t key) { return b.first < key; });
+    auto place = bins_.begin();
+    for (std::size_t left = bins_.size(); left > 0;) {  // lower_bound, by arithmetic: no branch can foresee these
+        const std::size_t half = (left + 1) / 2;
+        const bool before = place[static_cast<std::ptrdiff_t>(half - 1)].first < bin;
+        place += before ? static_cast<std::ptrdiff_t>(half) : 0;
+        left = before ? left - half : half - 1;
+    }
     if (place != bins_.end() && place->first == bin)
         ++place->second;
     else
@@ -36,7 +46,7 @@ void LogHistogram::add(double value) {
 }
 
 void LogHistogram::merge(const LogHistogram& other) {
-    std::vector<std::pair<std::int32_t, std::int64_t>> sum;
+    std::vector<std::pair<std::int32_t, std::uint32_t>> sum;
     sum.reserve(bins_.size() + other.bins_.size());
     auto a = bins_.begin();
     auto b = other.bins_.begin();

@@ -95,8 +95,8 @@ struct TrajectoryCounters {
     double largest_penetration = 0.0;   ///< [m]
     std::int64_t crossings_struck = 0;  ///< trees and nets that took energy
     std::int64_t breaks = 0;            ///< how often a block broke
-    /// Steps in contact by deepest penetration: bin k counts depths in [10^(k/4 - 6), 10^((k+1)/4 - 6)) m, bin 0 all below 10^-5.75.
-    std::array<std::int64_t, 28> penetration{};
+    /// Steps in contact by deepest penetration, two bins per octave (ends 2^n and 1.5 2^n): from 2^-20 m, bin 0 with all below, to 16 m.
+    std::array<std::int64_t, 48> penetration{};
 
     void add_penetration(double depth);
     void merge(const TrajectoryCounters& other);

@@ -20,7 +20,7 @@ using CellValues = std::array<double, kCellQuantities>;
 /// Relative error of quantiles taken from a LogHistogram [-].
 inline constexpr double kQuantileError = 0.01;
 
-/// Counts in bins of equal ratio: a quantile is off by at most 1 % of its value (Masson, Rim & Lee 2019, DDSketch). Adding and merging are integer
+/// Counts in bins whose ends are nearly in one ratio: a quantile is off by at most 1 % of its value (Masson, Rim & Lee 2019, DDSketch). Adding and merging are integer
 /// sums: the result does not depend on the order.
 class LogHistogram {
 public:
@@ -31,7 +31,7 @@ public:
     double quantile(double q) const;
 
 private:
-    std::vector<std::pair<std::int32_t, std::int64_t>> bins_;  ///< (bin, count), in order of the bins
+    std::vector<std::pair<std::int32_t, std::uint32_t>> bins_;  ///< (bin, count), in order of the bins
 };
 
 /// One quantity in one cell. Sums are kept in integers so that the mean does not depend on the order of the blocks either.
