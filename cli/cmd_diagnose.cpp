@@ -99,7 +99,7 @@ gis::ResultsPackage results_of(const DiagnoseStudy& study, const SiteModel& mode
     const bool judged = !study.planning && !study.before.observables.empty();
     if (judged) package.vectors = campaign_vectors(model, answered ? study.answers.front().campaign : study.campaign);
     for (std::size_t k = 0; answered && k < study.answers.front().effects.size(); ++k) {
-        const DiagnosisVariant& variant = *study.answers.front().effects[k].variant;
+        const DiagnosisVariant& variant = study.answers.front().effects[k].variant;
         if (variant.place.area) package.vectors.push_back(zone_layer(variant, k));
     }
     if (package.vectors.empty()) package.vectors.push_back(input_layer(model.release, "release", "Release", "Inputs"));
@@ -140,7 +140,8 @@ DiagnosisSettings settings_of(const SiteFile& site, bool full) {
 
 /// Before hours of calibration: residuals need so many rows.
 void require_enough_blocks(const Context& context, const ObservedSite& observed) {
-    const std::size_t blocks = measured_table(observed.observations, observed.op).rows(),
+    const Observations& o = observed.observations;
+    const std::size_t blocks = side_by_side(measured_table(o, observed.op), o.thrown).rows(),
                       least = ResidualSpace::kLeastRows;
     if (blocks >= least || observed.has_errors()) return;  // errors are a verdict of their own
     throw InputError((context.plan ? "A test of " : context.observed + ": a test of ") + std::to_string(blocks) +

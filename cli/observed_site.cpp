@@ -92,6 +92,7 @@ public:
         result_.inputs = records_.files;
         result_.warnings = records_.warnings;
         name_places();
+        name_blocks();
         add_stops();
         add_crossings();
         add_shares();
@@ -114,12 +115,23 @@ private:
             result_.op.zone_areas.emplace_back(index_of(result_.op.zones, zone.name), zone.region);
     }
 
+    /// In the order of their ids, "2" before "10": the order of rows says nothing.
+    void name_blocks() {
+        for (const gis::StopRecord& r : records_.stops) index_.try_emplace(r.body.id);
+        for (const gis::CrossingRecord& r : records_.crossings) index_.try_emplace(r.body.id);
+        index_.erase("");
+        for (auto& [id, number] : index_) {
+            number = static_cast<std::int32_t>(result_.observations.blocks.size());
+            result_.observations.blocks.emplace_back().id = id;
+        }
+    }
+
     /// The block that a record is about, with what the record says of it; -1 without an id.
     std::int32_t block_of(const gis::ObservedBody& body) {
         if (body.id.empty()) return -1;
-        const auto [at, fresh] = index_.try_emplace(body.id, static_cast<std::int32_t>(index_.size()));
-        if (fresh) result_.observations.blocks.push_back({body.id, kNaN, Vec3::Constant(kNaN), Vec2::Constant(kNaN)});
+        const auto at = index_.find(body.id);
         ObservedBlock& block = result_.observations.blocks[static_cast<std::size_t>(at->second)];
+        if (!std::isfinite(block.order)) block.order = body.order;
         if (!std::isfinite(block.mass)) block.mass = body.mass;
         if (!std::isfinite(block.size.sum())) block.size = {body.l1, body.l2, body.l3};
         return at->second;
@@ -345,7 +357,12 @@ private:
     const ObservedSettings& s_;
     const SiteModel& model_;
     const gis::ObservationRecords& records_;
-    std::map<std::string, std::int32_t> index_;
+    struct ByNumber {
+        bool operator()(const std::string& a, const std::string& b) const {
+            return a.size() != b.size() ? a.size() < b.size() : a < b;
+        }
+    };
+    std::map<std::string, std::int32_t, ByNumber> index_;  ///< of the blocks, by id
     ObservedSite result_;
 };
 

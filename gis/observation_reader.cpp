@@ -20,7 +20,7 @@ namespace fs = std::filesystem;
 constexpr std::array kTables{kStopsTable, kCrossingsTable, kSharesTable, kReleasesTable};
 const std::vector<std::string> kPositionFields{"easting_m",    "northing_m", "longitude_deg",
                                                "latitude_deg", "z_m",        "crs"};
-const std::vector<std::string> kBodyFields{"block_id", "mass_kg", "l1_m", "l2_m", "l3_m"};
+const std::vector<std::string> kBodyFields{"block_id", "order", "mass_kg", "l1_m", "l2_m", "l3_m"};
 
 constexpr double kMaxMass = 1e7;           // [kg]
 constexpr double kMaxEdge = 50.0;          // [m]
@@ -38,6 +38,7 @@ std::vector<std::string> joined(std::vector<std::string> a, const std::vector<st
 ObservedBody body_of(const RecordTable& table, const RecordTable::Record& record) {
     ObservedBody body;
     body.id = table.has("block") ? table.text(record, "block") : table.text(record, "block_id");
+    body.order = table.number(record, "order", 0.0, kMaxBlocks);
     body.mass = table.number(record, "mass_kg", 0.0, kMaxMass);
     std::array<double, 3> edges{};
     constexpr std::array<const char*, 3> kNames{"l1_m", "l2_m", "l3_m"};

@@ -14,11 +14,12 @@ namespace scree::gis {
 
 /// What a record says of the block it is about.
 struct ObservedBody {
-    std::string id;      ///< block_id, or the number of the block where there is a field `block` (results of Scree)
-    double mass = kNaN;  ///< [kg]
-    double l1 = kNaN;    ///< longest edge of the box around it [m]
-    double l2 = kNaN;    ///< middle edge [m]
-    double l3 = kNaN;    ///< shortest edge [m]
+    std::string id;       ///< block_id, or the number of the block where there is a field `block` (results of Scree)
+    double mass = kNaN;   ///< [kg]
+    double l1 = kNaN;     ///< longest edge of the box around it [m]
+    double l2 = kNaN;     ///< middle edge [m]
+    double l3 = kNaN;     ///< shortest edge [m]
+    double order = kNaN;  ///< place in the order of the test [-]
 };
 
 struct StopRecord {

@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <numeric>
 
 namespace scree {
@@ -265,6 +266,38 @@ ObservationTable measured_table(const Observations& observations, const Observat
         write.passed(c.screen, true);
         write.kinematics(c.screen, c.value);
     }
+    return table;
+}
+
+ObservationTable side_by_side(const ObservationTable& measured, std::int64_t thrown) {
+    // a row of the pool holds one record: a stop (and its zone), or what one screen saw
+    const auto kind_of = [&](std::size_t column) {
+        return measured.columns[column].quantity == Quantity::InZone ? -1 : measured.columns[column].place;
+    };
+    std::vector<std::size_t> rows_known;
+    std::map<std::int32_t, std::vector<std::size_t>> records;
+    for (std::size_t row = 0; row < measured.rows(); ++row) {
+        if (measured.block[row] >= 0) rows_known.push_back(row);
+        for (std::size_t k = 0; measured.block[row] < 0 && k < measured.columns.size(); ++k) {
+            if (!std::isfinite(measured.values[k][row])) continue;
+            records[kind_of(k)].push_back(row);
+            break;
+        }
+    }
+    std::size_t rows = records.empty() ? 0 : static_cast<std::size_t>(std::max<std::int64_t>(thrown, 0));
+    for (const auto& [kind, of_kind] : records) rows = std::max(rows, of_kind.size());
+    ObservationTable table{measured.columns, {}, {}};
+    for (std::size_t k = 0; k < table.columns.size(); ++k) {
+        std::vector<double>& values = table.values.emplace_back();
+        for (const std::size_t row : rows_known) values.push_back(measured.values[k][row]);
+        const auto of_kind = records.find(kind_of(k));
+        const bool passed = table.columns[k].quantity == Quantity::Passed && of_kind != records.end();
+        if (of_kind != records.end() && !(passed && thrown <= 0))
+            for (const std::size_t row : of_kind->second) values.push_back(measured.values[k][row]);
+        values.resize(rows_known.size() + rows, passed && thrown > 0 ? 0.0 : kNaN);
+    }
+    for (const std::size_t row : rows_known) table.block.push_back(measured.block[row]);
+    table.block.resize(rows_known.size() + rows, -1);
     return table;
 }
 

@@ -56,13 +56,13 @@ double tie_breaker(std::uint64_t seed, std::size_t row, std::size_t column) {
 ResidualSpace::ResidualSpace(ObservationTable reference, const ObservationTable& measured,
                              std::span<const ObservedBlock> blocks, const ResidualSettings& settings,
                              std::span<const Residual> residuals)
-    : reference_(std::move(reference)), settings_(settings) {
+    : reference_(std::move(reference)), settings_(settings), known_(!blocks.empty()) {
     SCREE_ASSERT(reference_.columns == measured.columns);
     std::vector<double> mass, shape, order;
     for (const ObservedBlock& b : blocks) {
         mass.push_back(b.has_body() ? std::log(b.mass) : kNaN);
         shape.push_back(b.has_body() ? std::log(b.size.maxCoeff() / b.size.minCoeff()) : kNaN);
-        order.push_back(static_cast<double>(order.size()));
+        order.push_back(b.order);
     }
     log_mass_ = standardised(mass);
     log_shape_ = standardised(shape);
@@ -132,10 +132,10 @@ void ResidualSpace::choose(const ObservationTable& measured, const ResidualSetti
         for (std::size_t b = a + 1; b < levels.size(); ++b)
             if (levels[a].quantity != Quantity::Lateral && levels[b].quantity != Quantity::Lateral &&
                 (levels[a].place == levels[b].place ||
-                 (is_course(levels[a].quantity) && is_course(levels[b].quantity))))
+                 (known_ && is_course(levels[a].quantity) && is_course(levels[b].quantity))))
                 wanted.push_back({ResidualKind::Together, levels[a], levels[b], kNaN, kNaN});
     // from screen to screen and on to the stop
-    for (std::size_t s = 0; s < screens.size(); ++s) {
+    for (std::size_t s = 0; known_ && s < screens.size(); ++s) {
         const Column from = screens[s];
         if (s + 1 < screens.size())
             wanted.push_back({ResidualKind::Innovation, screens[s + 1], from, kNaN, kNaN});
@@ -178,16 +178,8 @@ void ResidualSpace::choose(const ObservationTable& measured, const ResidualSetti
     const ResidualRows rows = raw(measured, false);
     residuals_.clear();
     for (std::size_t k = 0; k < wanted.size(); ++k) {
-        std::size_t count = 0;
-        double least = kInfinity, most = -kInfinity;
-        for (Eigen::Index row = 0; row < rows.rows(); ++row) {
-            const double v = rows(row, static_cast<Eigen::Index>(k));
-            if (!std::isfinite(v)) continue;
-            ++count;
-            least = std::min(least, v);
-            most = std::max(most, v);
-        }
-        if (count >= kLeastRows) residuals_.push_back(wanted[k]);
+        const auto count = rows.col(static_cast<Eigen::Index>(k)).array().isFinite().count();
+        if (count >= static_cast<Eigen::Index>(kLeastRows)) residuals_.push_back(wanted[k]);
     }
 }
 

@@ -87,6 +87,46 @@ TEST(MeasuredTable, OfAPoolHasOneRowPerRecord) {
     EXPECT_TRUE(std::isnan(cell(t, {Quantity::Along, -1}, 2)));
 }
 
+TEST(SideBySide, APoolHasAsManyRowsAsBlocksWereThrown) {
+    Observations o = test_observations();
+    o.matched = false;
+    o.thrown = 3;
+    const ObservationTable t = side_by_side(measured_table(o, test_operator()), o.thrown);
+    ASSERT_EQ(t.rows(), 3U);
+    EXPECT_EQ(t.block, (std::vector<std::int32_t>{-1, -1, -1}));
+    EXPECT_DOUBLE_EQ(cell(t, {Quantity::Along, -1}, 0), 40.0);
+    EXPECT_DOUBLE_EQ(cell(t, {Quantity::Along, -1}, 1), 10.0);
+    EXPECT_TRUE(std::isnan(cell(t, {Quantity::Along, -1}, 2))) << "thrown, not found";
+    EXPECT_TRUE(std::isnan(cell(t, {Quantity::InZone, 0}, 2)));
+    EXPECT_EQ(cell(t, {Quantity::Speed, 0}, 0), 7.5);
+    EXPECT_EQ(cell(t, {Quantity::Passed, 0}, 0), 1.0);
+    EXPECT_EQ(cell(t, {Quantity::Passed, 0}, 1), 0.0) << "one of three passed";
+    EXPECT_EQ(cell(t, {Quantity::Passed, 0}, 2), 0.0);
+}
+
+TEST(SideBySide, WhoPassedIsUnknownIfNobodyKnowsHowManyWereThrown) {
+    Observations o = test_observations();
+    o.matched = false;
+    const ObservationTable t = side_by_side(measured_table(o, test_operator()), 0);
+    ASSERT_EQ(t.rows(), 2U);
+    EXPECT_EQ(cell(t, {Quantity::Speed, 0}, 0), 7.5);
+    for (const std::size_t row : {0U, 1U}) EXPECT_TRUE(std::isnan(cell(t, {Quantity::Passed, 0}, row)));
+}
+
+TEST(SideBySide, RowsOfKnownBlocksStayAsTheyAre) {
+    const ObservationTable measured = measured_table(test_observations(), test_operator()),
+                           t = side_by_side(measured, 2);
+    ASSERT_EQ(t.rows(), measured.rows());
+    EXPECT_EQ(t.block, measured.block);
+    for (std::size_t k = 0; k < t.values.size(); ++k)
+        for (std::size_t row = 0; row < t.rows(); ++row)
+            if (std::isfinite(measured.values[k][row])) {
+                EXPECT_EQ(t.values[k][row], measured.values[k][row]);
+            } else {
+                EXPECT_TRUE(std::isnan(t.values[k][row]));
+            }
+}
+
 TEST(SimulatedTable, SeesWhatTheTestWouldHaveSeen) {
     CampaignResult campaign;
     campaign.blocks = {at_rest({50, 1}), at_rest({12, 0}), at_rest({35, -4}), at_rest({36, 0})};

@@ -126,6 +126,45 @@ TEST(Diagnosis, FindsNothingWhereNothingIsHidden) {
     EXPECT_LE(named, 2);
 }
 
+/// One row per record and no word of whose it is, as when nobody wrote down numbers of blocks.
+ObservationTable pool_of(const ObservationTable& t) {
+    ObservationTable pool{t.columns, std::vector<std::vector<double>>(t.columns.size()), {}};
+    for (const std::int32_t place : {-1, 0, 1})
+        for (std::size_t row = 0; row < t.rows(); ++row) {
+            const std::size_t passed = t.find({Quantity::Passed, place});
+            if (place >= 0 && t.values[passed][row] == 0.0) continue;
+            for (std::size_t k = 0; k < t.columns.size(); ++k)
+                pool.values[k].push_back(t.columns[k].place == place ? t.values[k][row] : kNaN);
+            pool.block.push_back(-1);
+        }
+    return pool;
+}
+
+/// With records taken one by one the shares that pass would be 1, and what goes together in a block would count twice.
+TEST(Diagnosis, FindsNothingInAPoolWhereNothingIsHidden) {
+    const auto blocks = blocks_of_test();
+    DiagnosisProblem problem = problem_for(blocks, all_effects());
+    problem.blocks.clear();
+    const auto thrown = [&](const DiagnosisTask& t) {
+        ObservationTable table = throw_blocks(blocks, t);
+        std::fill(table.block.begin(), table.block.end(), -1);
+        return std::optional(table);
+    };
+    constexpr int kCases = 40;
+    int rejected = 0;
+    double shares = 0.0;
+    for (std::uint64_t k = 0; k < kCases; ++k) {
+        const ObservationTable test = side_by_side(pool_of(measured(blocks, k, {})), kBlocks);
+        const Diagnosis d = diagnose(problem, test, quick(k), thrown, {});
+        rejected += d.verdict != Verdict::None;
+        for (std::size_t i = 0; i < d.residuals.size(); ++i)
+            if (d.residuals[i].kind == ResidualKind::Passed)
+                shares += d.score.standardised[static_cast<Eigen::Index>(i)] / (2.0 * kCases);
+    }
+    EXPECT_LE(rejected, 6);  // of 40 with 5 %: 7 and more in one case of 300
+    EXPECT_LT(std::abs(shares), 3.0 / std::sqrt(2.0 * kCases)) << "shares that pass are off by chance only";
+}
+
 TEST(Diagnosis, NamesWhatIsHidden) {
     const auto blocks = blocks_of_test();
     const DiagnosisProblem problem = problem_for(blocks, all_effects());

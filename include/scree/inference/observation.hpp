@@ -22,6 +22,7 @@ struct ObservedBlock {
     double mass = kNaN;                   ///< [kg]
     Vec3 size = Vec3::Constant(kNaN);     ///< L1, L2, L3 [m]
     Vec2 release = Vec2::Constant(kNaN);  ///< where it was let go, plan view [m]
+    double order = kNaN;                  ///< place in the order of the test; unknown unless somebody wrote it down [-]
     bool has_body() const { return mass > 0.0 && size.minCoeff() > 0.0; }
 };
 
@@ -117,6 +118,11 @@ std::vector<Column> observed_columns(const Observations& observations, const Obs
 /// Measurements as rows: first one per block of the test if they are matched, then one per record of an unknown block. Of blocks that
 /// are known, one without a record at a screen that recorded known blocks has not passed it. Shares stay outside (ObservedShare).
 ObservationTable measured_table(const Observations& observations, const ObservationOperator& op);
+
+/// A pool as rows that stand for blocks: nobody knows which records are of one block, so stops and what each screen saw are put side by side, in as many
+/// rows as blocks were thrown; a row without a record of a screen has not passed it (unless nobody knows how many were thrown, 0: nothing then says who
+/// passed). Right for means, shares and the counts behind them; what one row says of two records means nothing. Rows of known blocks stay as they are.
+ObservationTable side_by_side(const ObservationTable& measured, std::int64_t thrown);
 
 /// The same view of a campaign: one row per block that did not fail, in order. Stops of blocks that left the terrain or ran out of time
 /// count where they were last seen. Adds the errors of the measurements, drawn with Philox streams of (seed, block): those of the same block

@@ -24,10 +24,10 @@ enum class ResidualKind {
     Spread,      ///< it lies far from the middle (positive), or near it
     MassTrend,   ///< level times the standardised logarithm of the mass: heavy blocks are high (positive)
     ShapeTrend,  ///< level times the standardised logarithm of L1/L3: long blocks are high
-    OrderTrend,  ///< level times the standardised place of the block in the order of the test
-    Together,    ///< product of two levels: both values are high or low in the same blocks
-    Innovation,  ///< level among simulated blocks that passed the screen before in a like state: what happened on the way in between
-    Window  ///< stopped in a stretch of the path, less the share of the block's repeats that did
+    OrderTrend,  ///< level times the standardised place of the block in the order of the test, where that was written down
+    Together,  ///< product of two levels: both values are high or low in the same blocks; of one record if blocks are unknown
+    Innovation,  ///< of known blocks: level among simulated blocks that passed the screen before in a like state: what happened on the way in between
+    Window       ///< stopped in a stretch of the path, less the share of the block's repeats that did
 };
 
 struct Residual {
@@ -93,6 +93,7 @@ private:
 
     ObservationTable reference_;
     ResidualSettings settings_;
+    bool known_;                                               ///< which records are of one block
     std::vector<std::vector<std::vector<double>>> sorted_;     ///< per column and stratum, ascending [*]
     std::vector<std::vector<std::uint32_t>> rows_of_stratum_;  ///< of the reference
     std::vector<double> log_mass_, log_shape_, order_;         ///< per block of the test, standardised [-]
