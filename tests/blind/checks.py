@@ -5,11 +5,13 @@
 Usage: checks.py SCREE FOLDER [--cases N] [--parallel N]
 
 For up to N cases each:
-  mixed    blocks' numbers are mixed up in the measurements: no effect of mass may be named (restitution_mass, rolling_size)
+  mixed    blocks' numbers are mixed up in the measurements: no effect of mass may be named (restitution_mass, rolling_size), nor be in a group
   shuffled rows in another order, other times of the files, another folder: the same diagnosis
-  without  the effect that was rightly named is said to be absent: no other may be named
+  without  the effect that was rightly named is said to be absent: no other may be named; UNKNOWN and GROUP are right, NONE says too little
+That data of another seed with nothing hidden give NONE is what tier 5 counts (score.py).
 """
 import argparse
+import collections
 import csv
 import json
 import os
@@ -69,6 +71,10 @@ def names(found):
     return {a["effect"] for a in found["answer"]} if found["verdict"] in ("NAMED", "DATA PROBLEM") else set()
 
 
+def printed(found):
+    return {a["effect"] for a in found["answer"]} if found["verdict"] != "UNKNOWN" else set()
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("scree", help="the program")
@@ -88,12 +94,13 @@ def main():
         if truth["tier"] in (0, 1) and right:
             without.append((case, right))
     with ThreadPoolExecutor(args.parallel) as pool:
-        answers = list(pool.map(lambda case: names(diagnose(args, case, mix)), mixed[:args.cases]))
-        print(f"mixed: an effect of mass is named in {sum(bool(s & OF_MASS) for s in answers)} of {len(answers)}", flush=True)
+        answers = list(pool.map(lambda case: diagnose(args, case, mix), mixed[:args.cases]))
+        print(f"mixed: an effect of mass is named in {sum(bool(printed(f) & OF_MASS) for f in answers)} of {len(answers)}", flush=True)
         same = list(pool.map(lambda job: diagnose(args, job[0], lambda h, rows, chance: chance.shuffle(rows)) == said(job[1]), shuffled[:args.cases]))
         print(f"shuffled: the same diagnosis in {sum(same)} of {len(same)}", flush=True)
-        answers = list(pool.map(lambda job: names(diagnose(args, job[0], None, [f"diagnosis.without={json.dumps(job[1])}"])), without[:args.cases]))
-        print(f"without: another effect is named in {sum(map(bool, answers))} of {len(answers)}", flush=True)
+        answers = list(pool.map(lambda job: diagnose(args, job[0], None, [f"diagnosis.without={json.dumps(job[1])}"]), without[:args.cases]))
+        verdicts = ", ".join(f"{verdict} {count}" for verdict, count in collections.Counter(f["verdict"] for f in answers).most_common())
+        print(f"without: another effect is named in {sum(bool(names(f)) for f in answers)} of {len(answers)} ({verdicts})", flush=True)
 
 
 if __name__ == "__main__":

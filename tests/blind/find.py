@@ -4,10 +4,11 @@
 
 Usage: find.py SCREE FOLDER [--parallel N] [--set KEY=VALUE ...]
 
-Writes FOLDER/found/NNNN.json (diagnosis.json of the program); what is there is not done again. Refuses a case whose sealed file has no hash in
-FOLDER/sealed.sha256: the truth must be fixed before.
+Writes FOLDER/found/NNNN.json (diagnosis.json of the program); what is there is not done again. FOLDER/finder.json says which program with which settings:
+another one needs another folder. Refuses a case whose sealed file has no hash in FOLDER/sealed.sha256: the truth must be fixed before.
 """
 import argparse
+import hashlib
 import json
 import shutil
 import subprocess
@@ -53,6 +54,11 @@ def main():
     parser.add_argument("--set", action="append", default=[], metavar="KEY=VALUE")
     args = parser.parse_args()
     (args.folder / "found").mkdir(exist_ok=True)
+    finder = {"program_sha256": hashlib.sha256(Path(args.scree).read_bytes()).hexdigest(), "settings": BUDGET + args.set}
+    known = args.folder / "finder.json"
+    if known.exists() and json.loads(known.read_text()) != finder:
+        sys.exit(f"{known}: the cases found so far were found by another program or with other settings; use another folder")
+    known.write_text(json.dumps(finder, indent=1) + "\n")
     cases = sorted((args.folder / "cases").iterdir())
     with ThreadPoolExecutor(args.parallel) as pool:
         list(pool.map(lambda case: diagnose(args, case), cases))

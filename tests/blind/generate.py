@@ -19,6 +19,7 @@ import csv
 import hashlib
 import json
 import math
+import os
 import shutil
 import subprocess
 import sys
@@ -26,6 +27,7 @@ import tempfile
 from pathlib import Path
 
 HERE = Path(__file__).resolve().parent
+EPOCH = 1e9  # of all files of a case
 SKIPPED = 77
 try:
     import numpy as np
@@ -412,6 +414,8 @@ def main():
                 continue
             shutil.rmtree(args.folder / "cases" / f"{number:04d}", ignore_errors=True)
             truth = Case(args, number).write(work)
+            for path in [args.folder / "cases", *(args.folder / "cases").rglob("*")]:  # how long a case took to make tells what is in it
+                os.utime(path, (EPOCH, EPOCH))
             text = json.dumps(truth, indent=1) + "\n"
             target.write_text(text)
             with open(args.folder / "sealed.sha256", "a", encoding="utf-8") as list_of_hashes:

@@ -4,7 +4,8 @@
 
 Usage: score.py FOLDER [--table FILE]
 
-Prints rates with their 95 % intervals (Wilson), power by delta, and a confusion matrix; --table writes one line per case.
+Prints rates with their 95 % intervals (Wilson), of all cases and of those with 50 blocks, power by delta, and a confusion matrix; --table writes one line
+per case.
 """
 import argparse
 import collections
@@ -16,6 +17,9 @@ import statistics
 import sys
 from pathlib import Path
 
+import terrains
+
+AXIS_FROM_HEAD = terrains.RELEASE + 5.0 - 1.5  # the axis of the observations begins in the middle of the release, the profile at its head [m]
 BINS = (0.0, 1.5, 2.5, 3.75, 5.25, 7.5, math.inf)
 
 
@@ -24,45 +28,60 @@ def wilson(hits, n):
         return "no cases"
     z, p = 1.96, hits / n
     middle, half = (p + z * z / (2 * n)) / (1 + z * z / n), z / (1 + z * z / n) * math.sqrt(p * (1 - p) / n + z * z / (4 * n * n))
-    return f"{100 * p:.0f} % of {n} ({100 * max(middle - half, 0.0):.0f} to {100 * (middle + half):.0f})"
+    low, high = (round(100 * min(max(x, 0.0), 1.0), 1) for x in (middle - half, middle + half))
+    return f"{100 * p:.3g} % of {n} ({low:g} to {high:g})"
+
+
+def seals(folder):
+    hashes = {}
+    for line in (folder / "sealed.sha256").read_text().splitlines():
+        value, name = line.split()
+        if hashes.setdefault(name, value) != value:
+            sys.exit(f"{folder / 'sealed.sha256'}: {name} was sealed twice")
+    return hashes
 
 
 def read(folder):
-    hashes = dict(reversed(line.split()) for line in (folder / "sealed.sha256").read_text().splitlines())
-    cases = []
+    hashes, cases, missing = seals(folder), [], []
     for file in sorted((folder / "sealed").glob("*.json")):
         text = file.read_bytes()
         if hashlib.sha256(text).hexdigest() != hashes[f"sealed/{file.name}"]:
             sys.exit(f"{file}: is not the truth that was sealed")
         found = folder / "found" / file.name
         if not found.exists():
+            missing.append(file.stem)
             continue
         truth, result = json.loads(text), json.loads(found.read_text())
         answer = result["answer"]
-        names = [a["effect"] for a in answer] if result["verdict"] != "UNKNOWN" else []  # a name that was taken back is none
+        taken_back = bool(answer) and result["verdict"] == "UNKNOWN"  # by the blocks that were held out, or by what is left over all
+        names = [a["effect"] for a in answer] if not taken_back else []
         ranked = sorted((f for f in result["effects"] if f.get("weight") is not None), key=lambda f: -f["weight"])
         families = [set(h["families"]) for h in truth["hidden"]]
         right = [any(name in f for f in families) for name in names]
+        # of the hidden effect where several are named, else of the best
+        judged = next((a for a in answer if any(a["effect"] in f for f in families)), answer[0] if answer else {})
         cases.append({
             "case": truth["case"], "tier": truth["tier"], "slope": truth["slope"], "n": truth["n"], "ids": truth["ids"],
             "instruments": "+".join(truth["instruments"]), "hidden": " and ".join(h["name"] for h in truth["hidden"]) or "nothing",
             "delta": max((h["delta"] for h in truth["hidden"] if h["delta"] is not None), default=None), "verdict": result["verdict"],
-            "names": (" and " if answer and answer[0]["together"] else " or ").join(names), "right": any(right), "all_right": bool(right) and all(right),
+            "names": (" and " if answer and answer[0]["together"] else " or ").join(names), "taken_back": taken_back,
+            "right": any(right), "all_right": bool(right) and all(right),
             "both": len(families) == 2 and len(names) == 2 and all(any(name in f for name in names) for f in families),
             "top": bool(ranked) and any(ranked[0]["effect"] in f for f in families), "p": result.get("global_test", {}).get("p"),
-            "covered": covered(truth, answer), "closed": answer[0].get("removable_gap_closed") if answer else None,
-            "worse": answer[0]["held_out_loss"] >= result["baseline"]["held_out_loss"] if answer else None, "place_error": place_error(truth, answer),
+            "covered": covered(truth, answer) if names else None, "closed": judged.get("removable_gap_closed"),
+            "worse": judged["held_out_loss"] >= result["baseline"]["held_out_loss"] if "held_out_loss" in judged else None,
+            "judged_right": any(judged.get("effect") in f for f in families), "place_error": place_error(truth, answer),
             "simulated": result["simulated_blocks"]})
-    return cases
+    return cases, missing
 
 
 def place_error(truth, answer):
-    """Between the middles of the hidden and the named reach [m]; the profile's chainage begins 1.5 m east of the terrain's edge."""
+    """Between the middles of the hidden reach, along the profile, and the named one, along the axis of the observations [m]."""
     hidden = [h["at"] for h in truth["hidden"] if h["at"]]
     named = [a["between_m"] for a in answer if "between_m" in a]
     if not hidden or not named:
         return None
-    return abs(sum(named[0]) / 2 - sum(hidden[0]) / 2)
+    return abs(sum(named[0]) / 2 + AXIS_FROM_HEAD - sum(hidden[0]) / 2)
 
 
 def covered(truth, answer):
@@ -81,7 +100,7 @@ def main():
     parser.add_argument("folder", type=Path)
     parser.add_argument("--table", type=Path)
     args = parser.parse_args()
-    cases = read(args.folder)
+    cases, missing = read(args.folder)
     if args.table:
         with open(args.table, "w", newline="", encoding="utf-8") as file:
             table = csv.DictWriter(file, cases[0].keys(), lineterminator="\n")
@@ -90,49 +109,60 @@ def main():
 
     def rate(of, hit):
         chosen = [c for c in cases if of(c)]
-        return wilson(sum(map(hit, chosen)), len(chosen))
+        fifty = [c for c in chosen if c["n"] == 50]
+        return f"{wilson(sum(map(hit, chosen)), len(chosen)):<28}{wilson(sum(map(hit, fifty)), len(fifty))}"
 
     def named(c):
-        return c["verdict"] == "NAMED"
+        return bool(c["names"]) and c["verdict"] in ("NAMED", "DATA PROBLEM")
+
+    def single(c):
+        return bool(c["names"]) and " or " not in c["names"] and " and " not in c["names"]
 
     def wrong(c):  # of two names both must be right
-        return bool(c["names"]) and c["verdict"] in ("NAMED", "DATA PROBLEM") and not (c["all_right"] if " and " in c["names"] else c["right"])
+        return named(c) and not (c["both"] if " and " in c["names"] else c["right"])
 
     def detected(c):
         return c["verdict"] != "NONE"
 
     def physical(c):
         return c["tier"] in (0, 1)
-    print(f"{len(cases)} cases, of which nothing hidden in {sum(c['tier'] == 5 for c in cases)}\n")
+
+    def strong(c):
+        return c["tier"] in (0, 1) and c["delta"] is not None and c["delta"] >= 4.5
+    print(f"{len(cases)} cases, of which nothing hidden in {sum(c['tier'] == 5 for c in cases)}")
+    if missing:
+        print(f"not found, and in none of the rates: {len(missing)} ({', '.join(missing)})")
+    print(f"\n{'':<45}{'all cases (95 % interval)':<28}50 blocks")
     print("false alarms where nothing is hidden        ", rate(lambda c: c["tier"] == 5, detected))
     print("wrong name where nothing is hidden          ", rate(lambda c: c["tier"] == 5, wrong))
     print("wrong name, all cases                       ", rate(lambda c: True, wrong))
-    print("a single printed name is right              ", rate(lambda c: bool(c["names"]) and " or " not in c["names"] and " and " not in c["names"], lambda c: c["right"]))
+    print("a single printed name is right              ", rate(single, lambda c: c["right"]))
     print("truth among the names, where any are printed", rate(lambda c: c["tier"] in (0, 1, 6) and c["names"], lambda c: c["right"]))
     for words, instruments in (("stops and speeds", "stops+speed"), ("with heights and spins", "stops+speed+height+spin")):
-        print(f"best of detected is right, {words:<25}", rate(lambda c: physical(c) and detected(c) and c["instruments"] == instruments, lambda c: c["top"]))
+        print(f"best of detected is right, {words:<18}", rate(lambda c: physical(c) and detected(c) and c["instruments"] == instruments, lambda c: c["top"]))
     print("outside the catalogue: wrong name           ", rate(lambda c: c["tier"] == 3, named))
     print("outside, detected: UNKNOWN or GROUP         ", rate(lambda c: c["tier"] == 3 and detected(c), lambda c: c["verdict"] in ("UNKNOWN", "GROUP")))
-    print("two effects, detected: a name is right      ", rate(lambda c: c["tier"] == 2 and bool(c["names"]), lambda c: c["right"]))
+    print("two effects, detected: a name is right      ", rate(lambda c: c["tier"] == 2 and detected(c), lambda c: c["right"]))
     print("two effects, detected: both are named       ", rate(lambda c: c["tier"] == 2 and detected(c), lambda c: c["both"]))
     print("two names said, both are right              ", rate(lambda c: " and " in c["names"], lambda c: c["both"]))
-    print("3D under a 2D model: wrong name             ", rate(lambda c: c["tier"] == 4, named))
+    print("3D under a 2D model: a name                 ", rate(lambda c: c["tier"] == 4, named))
     print("fault of measurement, detected: right       ", rate(lambda c: c["tier"] == 6 and detected(c), lambda c: c["right"]))
-    strong = [c for c in cases if c["right"] and c["delta"] and c["delta"] >= 4.0]
-    closed = [c["closed"] for c in strong if c["closed"] is not None and (c["closed"] > 0.0) != c["worse"]]  # else there was nothing to close
+    closed = [c["closed"] for c in cases if strong(c) and c["right"] and c["closed"] is not None]
     if closed:
-        print(f"held-out removable gap closed, median        {100 * statistics.median(closed):.0f} % of {len(closed)}")
-    print("held-out blocks worse than without          ", wilson(sum(c["worse"] for c in strong), len(strong)))
-    print("interval of the strength (95 %) holds it      ", rate(lambda c: c["covered"] is not None, lambda c: c["covered"]))
+        print(f"removable gap closed on held-out blocks, median {100 * statistics.median(closed):.0f} % of {len(closed)} (delta of 4.5 and more, rightly named)")
+    # a name with which held-out blocks are predicted worse is taken back: counted with those here
+    print("held-out blocks worse with the right name   ", rate(lambda c: strong(c) and c["judged_right"] and c["worse"] is not None, lambda c: c["worse"]))
+    print("names that were taken back: wrong ones      ", rate(lambda c: c["taken_back"], lambda c: not c["judged_right"]))
+    print("interval of the strength (95 %) holds it    ", rate(lambda c: c["covered"] is not None, lambda c: c["covered"]))
     places = [c["place_error"] for c in cases if c["right"] and c["place_error"] is not None]
     if places:
         print(f"place of a local effect, median error        {statistics.median(places):.1f} m of {len(places)}")
 
-    print("\npower by delta (tiers 0, 1, 3, 6): detected; named or in the printed group")
+    print("\npower by delta (tiers 0, 1, 3, 6): detected, of all and of 50 blocks; named or in the printed group, of all and of 50 blocks")
     for low, high in zip(BINS, BINS[1:]):
         def inside(c):
             return c["tier"] in (0, 1, 3, 6) and c["delta"] is not None and low <= c["delta"] < high
-        print(f"  {low:4.2f} to {high:4.2f}  {rate(inside, detected):<28}{rate(lambda c: inside(c) and c['tier'] != 3, lambda c: c['right'])}")
+        print(f"  {low:4.2f} to {high:4.2f}  {rate(inside, detected):<56}{rate(lambda c: inside(c) and c['tier'] != 3, lambda c: c['right'])}")
 
     print("\nwhat was hidden -> verdicts")
     matrix = collections.defaultdict(collections.Counter)

@@ -237,4 +237,5 @@ def main():
     run(arguments) if arguments.command == "run" else table(arguments)
 
 
-main()
+if __name__ == "__main__":
+    main()
