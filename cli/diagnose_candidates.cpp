@@ -11,7 +11,8 @@ namespace scree::cli {
 
 namespace {
 
-constexpr std::size_t kStrips = 6;  ///< places along the path that a local effect is tried at [-]
+constexpr double kLeastRolling = 1e-3;  ///< of a patch, whose strength is a factor [m]
+constexpr std::size_t kStrips = 6;      ///< places along the path that a local effect is tried at [-]
 
 enum class Where { Everywhere, Soils, Strips, StripsOnly };
 
@@ -157,9 +158,7 @@ private:
         v.parameter = search.parameter;
         v.reference = search.reference;
         v.most = search.most;
-        if (search.kind == EffectKind::LowFriction)  // from the friction that the ground has downwards
-            for (const Soil& soil : s_.soils)
-                v.start = std::isnan(v.start) ? soil.friction : std::max(v.start, soil.friction);
+        v = v.on_ground(s_.soils);
         if (search.where != Where::StripsOnly) to.variants.push_back(v);
         if (search.where == Where::Soils && s_.soils.size() > 1)
             for (std::size_t k = 0; k < s_.soils.size(); ++k) {
@@ -170,10 +169,10 @@ private:
                 to.variants.push_back(on);
             }
         if ((search.where == Where::Strips || search.where == Where::StripsOnly) && length_ > 0.0)
-            for (std::size_t k = 0; k < kStrips; ++k) add_strip(search, v, k, to);
+            for (std::size_t k = 0; k < kStrips; ++k) add_strip(v, k, to);
     }
 
-    void add_strip(const Search& search, DiagnosisVariant v, std::size_t k, DiagnosisCandidate& to) const {
+    void add_strip(DiagnosisVariant v, std::size_t k, DiagnosisCandidate& to) const {
         const double n = static_cast<double>(kStrips);
         v.from = length_ * static_cast<double>(k) / n;
         v.to = length_ * static_cast<double>(k + 1) / n;
@@ -181,11 +180,8 @@ private:
         text << "from " << std::lround(v.from) << " to " << std::lround(v.to) << " m";
         v.label = joined(v.label, text.str());
         v.place.limit_to({strip(v.from, v.to)});
-        if (search.kind == EffectKind::SoilPatch) {  // the reference is a factor on what the ground there has
-            v.start = rolling_at(0.5 * (v.from + v.to));
-            v.reference = search.reference * v.start;
-        }
-        to.variants.push_back(v);
+        v.ground = soil_at(0.5 * (v.from + v.to));
+        to.variants.push_back(v.on_ground(s_.soils));
     }
 
     /// Across the whole terrain between two chainages.
@@ -198,12 +194,12 @@ private:
         return {{a - wide * left, b - wide * left, b + wide * left, a + wide * left}, {}};
     }
 
-    double rolling_at(double chainage) const {
+    SoilId soil_at(double chainage) const {
         std::array<Vec3, 3> corners;
         SoilId soil = 0;
         const std::int64_t f = model_.terrain.surface->facet_at(observed_.op.axis.point(chainage));
         if (f >= 0) model_.terrain.surface->facet(f, corners, soil);
-        return std::max(1e-3, s_.soils[static_cast<std::size_t>(soil)].rolling);
+        return soil;
     }
 
     const SiteSettings& s_;
@@ -216,11 +212,23 @@ private:
 
 }  // namespace
 
+DiagnosisVariant DiagnosisVariant::on_ground(std::span<const Soil> soils) const {
+    DiagnosisVariant v = *this;
+    if (kind == EffectKind::LowFriction) {  // from the largest friction downwards
+        v.start = 0.0;
+        for (const Soil& one : soils) v.start = std::max(v.start, one.friction);
+    }
+    if (kind == EffectKind::SoilPatch) v.start = std::max(kLeastRolling, soils[ground].rolling);
+    return v;
+}
+
 double DiagnosisVariant::value(double strength) const {
     const EffectParameter& p = effect_parameter(kind, parameter);
     const double neutral = std::isnan(start) ? p.neutral : start;
     double v = 0.0;
-    if (kind == EffectKind::BlockShape || kind == EffectKind::SoilPatch || kind == EffectKind::LowFriction)
+    if (kind == EffectKind::SoilPatch)
+        v = neutral * std::pow(reference, strength);
+    else if (kind == EffectKind::BlockShape || kind == EffectKind::LowFriction)
         v = neutral * std::pow(reference / neutral, strength);  // factors
     else if (std::isinf(neutral))
         v = strength > 0.0 ? reference / strength : p.high;

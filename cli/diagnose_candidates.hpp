@@ -12,15 +12,20 @@ namespace scree::cli {
 /// One way in which an effect may be missing, as a function of its strength.
 struct DiagnosisVariant {
     EffectKind kind = EffectKind::GroundDrag;
-    std::string label;       ///< "on loose waste", "between 40 and 55 m"; empty if there is one way only
-    std::string parameter;   ///< key of the catalogue whose value the strength stands for
-    double start = kNaN;     ///< its value at strength 0 where the catalogue has none: that of the ground there [*]
-    double reference = 0.0;  ///< its value at strength 1 [*]
+    std::string label;      ///< "on loose waste", "between 40 and 55 m"; empty if there is one way only
+    std::string parameter;  ///< key of the catalogue whose value the strength stands for
+    double start =
+        kNaN;  ///< its value at strength 0 where the catalogue has none: that of the ground there (on_ground) [*]
+    double reference = 0.0;  ///< its value at strength 1; of a soil patch, as a share of `start` [*]
     double most = 3.0;       ///< largest strength that is searched [-]
     EffectPlace place;
     std::string soil;               ///< name, for the site file; empty: all
     double from = kNaN, to = kNaN;  ///< chainages along the axis of the observations that `place` lies between [m]
 
+    SoilId ground = 0;  ///< soil in the middle of `place`, which a soil patch changes
+
+    /// The same with `start` as these soils have it: where parameters of soils move, so does what changes nothing.
+    DiagnosisVariant on_ground(std::span<const Soil> soils) const;
     /// Value of the parameter: where the effect vanishes at 0, `reference` at 1.
     double value(double strength) const;
     Effect at(double strength) const;

@@ -42,7 +42,7 @@ std::string variant_name(const DiagnosisVariant& v) {
 
 /// "coefficient 0.31 1/s (95 %: 0.2 to 0.45)".
 std::string strength_text(const AnsweredEffect& e) {
-    const DiagnosisVariant& v = *e.variant;
+    const DiagnosisVariant& v = e.variant;
     const double a = v.value(e.interval.low), b = v.value(e.interval.high);
     return v.parameter + " " + with_unit(v.value(e.strength), unit_of(v)) + " (95 %: " + short_number(std::min(a, b)) +
            " to " + short_number(std::max(a, b)) + ")";
@@ -109,7 +109,7 @@ std::string subject_of(const Residual& r, std::span<const std::string> screens) 
 std::string described(const AnswerFit& answer) {
     std::string text;
     for (const AnsweredEffect& e : answer.effects)
-        text += (text.empty() ? "" : " and ") + variant_name(*e.variant) + " (" + e.candidate->title + ")";
+        text += (text.empty() ? "" : " and ") + variant_name(e.variant) + " (" + e.candidate->title + ")";
     return text;
 }
 
@@ -175,7 +175,7 @@ std::string verdict_sentence(const DiagnoseStudy& study) {
             if (study.answers.empty()) return "DATA PROBLEM: the measurements cannot be used as they are";
             return "DATA PROBLEM: " + names_of(study.answers) +
                    (study.answers.size() == 1 && study.answers.front().effects.size() == 1
-                        ? ", " + study.answers.front().effects.front().variant->label
+                        ? ", " + study.answers.front().effects.front().variant.label
                         : "") +
                    "; check how it was measured before anything else";
     }
@@ -185,7 +185,7 @@ std::string verdict_sentence(const DiagnoseStudy& study) {
 std::vector<std::string> where_sentences(const DiagnoseStudy& study) {
     std::vector<std::string> sentences;
     const Diagnosis& d = study.diagnosis;
-    if (d.residuals.empty() || study.planning) return sentences;
+    if (d.residuals.empty() || study.planning || d.verdict == Verdict::None) return sentences;
     for (const std::size_t k : by_size(d.score.standardised)) {
         const auto i = static_cast<Eigen::Index>(k);
         if (d.test.residual_p[i] > study.settings.level || sentences.size() == kMostSentences) break;
@@ -213,7 +213,7 @@ std::vector<std::string> diagnose_remarks(const DiagnoseStudy& study) {
     for (const AnswerFit& a : study.answers) {
         if (study.verdict == Verdict::Unknown) break;
         for (const AnsweredEffect& e : a.effects)
-            if (e.strength > (1.0 - kInRange) * e.variant->most)
+            if (e.strength > (1.0 - kInRange) * e.variant.most)
                 remarks.push_back("the strength of " + e.candidate->name + " lies at the end of what was searched");
         if (!study.baseline.result.folds.empty() &&
             !(a.model.result.held_out.loss < study.baseline.result.held_out.loss))
@@ -224,7 +224,7 @@ std::vector<std::string> diagnose_remarks(const DiagnoseStudy& study) {
     if (study.verdict == Verdict::Group)
         for (const AnswerFit& a : study.answers)
             for (const AnsweredEffect& e : a.effects)
-                remarks.push_back(e.candidate->name + " would show in " + effect_info(e.variant->kind).seen_in);
+                remarks.push_back(e.candidate->name + " would show in " + effect_info(e.variant.kind).seen_in);
     if (study.in_plane && (study.verdict == Verdict::Named || study.verdict == Verdict::Group))
         remarks.push_back(
             "the model is 2D: what blocks do sideways can look like an effect; confirm with model.dimension = 3");
@@ -258,7 +258,7 @@ void print_answers(std::ostream& out, const DiagnoseStudy& study) {
             << weight_text(a.weight()) << "\n";
     for (const AnswerFit& a : study.answers) {
         for (const AnsweredEffect& e : a.effects)
-            out << "  " << variant_name(*e.variant) << ": " << strength_text(e) << "\n";
+            out << "  " << variant_name(e.variant) << ": " << strength_text(e) << "\n";
         if (const auto share = removable_gap_closed(study, a))
             out << "  closes " << short_number(100.0 * std::min(1.0, *share)) << " % of the removable held-out gap\n";
     }
@@ -314,7 +314,7 @@ Json finding_json(const DiagnoseStudy& study, const EffectFinding& f) {
 
 /// One row per effect; two that act together say so, and share what follows from both.
 Json answer_json(const DiagnoseStudy& study, const AnswerFit& a, const AnsweredEffect& e) {
-    const DiagnosisVariant& v = *e.variant;
+    const DiagnosisVariant& v = e.variant;
     const double low = v.value(e.interval.low), high = v.value(e.interval.high);
     Json json{{"effect", e.candidate->name},
               {"form", effect_info(v.kind).name},
@@ -493,7 +493,7 @@ std::string diagnose_html(const DiagnoseStudy& study, const std::vector<Figure>&
     for (const AnswerFit& a : study.answers) {
         html << "<h2>With " << escaped(a.name()) << "</h2>\n";
         for (const AnsweredEffect& e : a.effects)
-            html << "<p>" << escaped(variant_name(*e.variant) + ": " + strength_text(e)) << ".</p>\n";
+            html << "<p>" << escaped(variant_name(e.variant) + ": " + strength_text(e)) << ".</p>\n";
         html << gaps_html(study, a) << "<p>What it changes for the measured blocks:</p>\n"
              << consequences_html(study, a);
     }

@@ -34,9 +34,9 @@ double from_unit(const CalibrationParameter& p, double u) {
 /// little of a strength: it has to stay here.
 Interval strength_range(const AnsweredEffect& e) {
     const EffectFinding& f = e.finding;
-    if (!std::isfinite(f.strength_deviation)) return {0.0, e.variant->most};
+    if (!std::isfinite(f.strength_deviation)) return {0.0, e.variant.most};
     const double reach = kNinetyFive * f.strength_deviation;
-    return {std::max(f.strength - reach, 0.0), std::min(f.strength + reach, e.variant->most)};
+    return {std::max(f.strength - reach, 0.0), std::min(f.strength + reach, e.variant.most)};
 }
 
 class Runner {
@@ -75,7 +75,10 @@ public:
     }
 
 private:
-    ObservationTable measured() const { return measured_table(in_.observed.observations, in_.observed.op); }
+    ObservationTable measured() const {
+        return side_by_side(measured_table(in_.observed.observations, in_.observed.op),
+                            in_.observed.observations.thrown);
+    }
 
     std::function<void(const DiagnosisProgress&)> reporter() const {
         return [this](const DiagnosisProgress& p) { in_.progress(p.stage, p.done, p.planned); };
@@ -101,10 +104,13 @@ private:
         return p;
     }
 
-    std::vector<Effect> effects_of(const std::vector<EffectDose>& doses) const {
+    std::vector<Effect> effects_of(const std::vector<EffectDose>& doses, const SiteFile& site) const {
         std::vector<Effect> effects;
         for (const EffectDose& d : doses)
-            effects.push_back(study_.catalogue.candidates[d.effect].variants[d.variant].at(d.strength));
+            effects.push_back(study_.catalogue.candidates[d.effect]
+                                  .variants[d.variant]
+                                  .on_ground(site.settings.soils)
+                                  .at(d.strength));
         return effects;
     }
 
@@ -121,12 +127,13 @@ private:
             for (const std::size_t level : levels) words << level << " ";
             for (const EffectDose& d : task.effects) {
                 const DiagnosisVariant& v = study_.catalogue.candidates[d.effect].variants[d.variant];
-                words << effect_info(v.kind).name << " " << v.label << " " << v.value(d.strength) << " ";
+                words << effect_info(v.kind).name << " " << v.label << " " << v.parameter << " " << d.strength << " ";
             }
             words << task.seed << " " << task.repeats;
             if (auto kept = in_.store.find(words.str())) return kept;
-            const std::vector<Effect> effects = effects_of(task.effects);
-            const CampaignResult campaign = test_.run(test_.site_at(point), task.seed, task.repeats, effects);
+            const SiteFile site = test_.site_at(point);
+            const std::vector<Effect> effects = effects_of(task.effects, site);
+            const CampaignResult campaign = test_.run(site, task.seed, task.repeats, effects);
             if (campaign.interrupted) return std::nullopt;
             ObservationTable table =
                 simulated_table(campaign, in_.observed.observations, with_faults(in_.observed, effects).op, task.seed);
@@ -136,10 +143,12 @@ private:
     }
 
     /// The effects at the strengths that are the last parameters of a point.
-    static std::vector<Effect> dosed(const std::vector<AnsweredEffect>& effects, const CalibrationPoint& point) {
+    std::vector<Effect> dosed(const std::vector<AnsweredEffect>& effects, const CalibrationPoint& point) const {
         std::vector<Effect> all;
+        const SiteFile site = test_.site_at(without_strengths(point, effects.size()));
         const std::size_t first = point.values.size() - effects.size();
-        for (std::size_t k = 0; k < effects.size(); ++k) all.push_back(effects[k].variant->at(point.values[first + k]));
+        for (std::size_t k = 0; k < effects.size(); ++k)
+            all.push_back(effects[k].variant.on_ground(site.settings.soils).at(point.values[first + k]));
         return all;
     }
     static CalibrationPoint without_strengths(CalibrationPoint point, std::size_t count) {
@@ -166,7 +175,7 @@ private:
         JournalFile journal(file, journal_subject(name), std::filesystem::exists(file, ignored));
         CalibrationJournal all = std::move(journal.journal);
         const bool faulty = std::any_of(effects.begin(), effects.end(), [](const AnsweredEffect& e) {
-            return effect_info(e.variant->kind).hook == EffectHook::Measurement;
+            return effect_info(e.variant.kind).hook == EffectHook::Measurement;
         });
         CalibratedModel model;
         model.result = calibrate(
@@ -211,14 +220,16 @@ private:
         AnswerFit fit;
         std::string name;
         for (const EffectFinding& f : findings) {
-            fit.effects.push_back({&study_.candidate_of(f), &study_.variant_of(f), f, 0.0, {}});
+            fit.effects.push_back({&study_.candidate_of(f), study_.variant_of(f), f, 0.0, {}});
             name +=
                 (name.empty() ? "" : "_and_") + fit.effects.back().candidate->name + "_" + std::to_string(f.variant);
         }
         fit.model = calibrated(name, fit.effects);
         if (study_.interrupted) return;
         const std::size_t first = fit.model.result.parameters.size() - fit.effects.size();
+        const SiteFile site = test_.site_at(fit.model.point);
         for (std::size_t k = 0; k < fit.effects.size(); ++k) {
+            fit.effects[k].variant = fit.effects[k].variant.on_ground(site.settings.soils);
             fit.effects[k].strength = fit.model.strengths[k];
             fit.effects[k].interval = std::isfinite(findings[k].strength_deviation)
                                           ? strength_range(fit.effects[k])
@@ -315,9 +326,9 @@ SiteFile extended_site(const DiagnoseStudy& study, const AnswerFit& answer) {
     for (std::size_t k = 0; k < answer.effects.size(); ++k) {
         const AnsweredEffect& e = answer.effects[k];
         EffectSettings entry;
-        entry.effect = e.variant->at(e.strength);
-        entry.soil = e.variant->soil;
-        if (!std::isnan(e.variant->from)) {
+        entry.effect = e.variant.at(e.strength);
+        entry.soil = e.variant.soil;
+        if (!std::isnan(e.variant.from)) {
             entry.place.file = "results.gpkg";
             entry.place.layer = zone_name(k);
         }

@@ -24,7 +24,7 @@ struct CalibratedModel {
 /// An effect of an answer.
 struct AnsweredEffect {
     const DiagnosisCandidate* candidate = nullptr;
-    const DiagnosisVariant* variant = nullptr;
+    DiagnosisVariant variant;  ///< on the ground that the refit ended with
     EffectFinding finding;
     double strength = 0.0;  ///< refitted [-]
     Interval interval;      ///< 95 % of it, as the residuals of the test say, within which the refit stays [-]

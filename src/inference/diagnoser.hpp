@@ -39,6 +39,7 @@ struct Hypothesis {
     Eigen::VectorXd parameters;
     double strength = 0.0;
     double strength_deviation = kNaN;
+    std::vector<double> parameter_deviation;
     Eigen::VectorXd step;  ///< of a survey around them, the strength's last
     double q = kInfinity;  ///< what is left [-]
     double p = 0.0;

@@ -239,6 +239,8 @@ void Diagnoser::judge(Hypothesis& h, const Survey& s) const {
     h.q = misfit.at(by);
     h.parameters = to.head(count);
     h.step = s.step;
+    h.parameter_deviation.clear();
+    for (Eigen::Index k = 0; k < count; ++k) h.parameter_deviation.push_back(misfit.deviation(k));
     if (h.fingerprint == kNoEffect) return;
     h.strength = std::max(to[count], kLeastStrength * most_of(h.fingerprint));
     h.strength_deviation = misfit.deviation(count);

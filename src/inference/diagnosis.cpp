@@ -363,8 +363,9 @@ void Diagnoser::weigh(Diagnosis& d, std::vector<Hypothesis>& followed) const {
     for (const Hypothesis& h : followed) log_weight.push_back(log_of(h));
     const Hypothesis& best = followed.front();
     const double z = d.score.z[static_cast<Eigen::Index>(best.fingerprint)];
-    const double gain = best.from_given ? std::max(d.score.q - best.q, 0.0)
-                                        : std::max(z * z, std::min(d.score.q, left_without_) - best.q - kQNoise);
+    const double gain = best.from_given
+                            ? std::max(d.score.q - best.q, 0.0)
+                            : std::max(z > 0.0 ? z * z : 0.0, std::min(d.score.q, left_without_) - best.q - kQNoise);
     const double log_none = log_weight.front() - 0.5 * gain - price(best) + std::log(settings_.prior_none);
     const double most = std::max(log_weight.front(), log_none);
     double sum = std::exp(log_none - most);
@@ -380,6 +381,7 @@ void Diagnoser::weigh(Diagnosis& d, std::vector<Hypothesis>& followed) const {
         f.visibility = d.score.visibility[static_cast<Eigen::Index>(followed[k].fingerprint)];
         f.strength = followed[k].strength;
         f.strength_deviation = followed[k].strength_deviation;
+        f.parameter_deviation = followed[k].parameter_deviation;
         f.parameters.assign(followed[k].parameters.data(),
                             followed[k].parameters.data() + followed[k].parameters.size());
         f.misfit = followed[k].q;

@@ -7,6 +7,8 @@ namespace {
 
 /// A first effect whose strength falls below this share of the largest, once the second is there, was none [-].
 constexpr double kLeastStrength = 0.02;
+/// Nor was one that is not so many standard deviations from zero then [-].
+constexpr double kSure = 2.0;
 /// Step of its derivative, of the largest strength [-].
 constexpr double kStep = 0.08;
 
@@ -51,9 +53,13 @@ bool explain_with_two(const DiagnosisProblem& problem, const DiagnosisSimulation
     std::vector<double> parameters = pair ? more.answer.front().parameters : more.parameters;
     const double share = parameters.back();
     if (share < kLeastStrength) return true;
+    if (pair) {
+        const double deviation = more.answer.front().parameter_deviation.back();
+        if (share < kSure * deviation) return true;
+        first.strength_deviation = most * deviation;
+    }
     parameters.pop_back();
     first.strength = most * share;
-    if (pair) first.strength_deviation = kNaN;  // that of the first alone says too little
     first.parameters = parameters;
     first.p = more.test.p;
     d.answer = {first};

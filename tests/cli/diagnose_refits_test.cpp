@@ -23,7 +23,7 @@ const DiagnosisCandidate& candidate(const std::string& name) {
 /// Refitted, with the gap over all that it leaves, where 95 % of chance end at 2.4, and the loss of blocks held out.
 AnswerFit answer(const std::string& name, double gap, double loss) {
     AnswerFit fit;
-    fit.effects.push_back({&candidate(name), nullptr, {}, 0.0, {}});
+    fit.effects.push_back({&candidate(name), {}, {}, 0.0, {}});
     fit.study.overall.gap = gap;
     fit.study.overall.chance = {0.4, 2.4};
     fit.model.result.held_out.loss = loss;

@@ -18,10 +18,11 @@ namespace scree {
 /// The calibrated model simulates every measured block many times (ResidualSpace). Chance, with the parameters free, says whether the measurements could
 /// be more of the same (global_test). If not, every effect of the catalogue is judged by how well it explains the mean residual: first by its fingerprint
 /// (ScoreTest), the finalists then by simulations at the strength and parameters that explain it best, with a Gaussian likelihood of the mean
-/// residual whose mean and covariance are simulated there (synthetic likelihood: Wood 2010, Nature 466:1102-1104). Their weights, with the price of free
-/// strengths and places and beside that of the calibrated model itself, are the answer: one name, a group that the data cannot tell apart, or none of them
-/// where the best one is rejected, too, or where the calibrated model remains a serious rival. Where one effect is not enough, the best ones become part of
-/// the model, and a second is looked for in the same way: at most two are named.
+/// residual whose mean and covariance are simulated there (after the synthetic likelihood of Wood 2010, Nature 466:1102-1104, but every hypothesis in its
+/// own residual space and without the determinant of its covariance: a hypothesis that predicts too widely pays through the spread of its residuals only).
+/// Their weights, with the price of free strengths and places and beside that of the calibrated model itself, are the answer: one name, a group that the
+/// data cannot tell apart, or none of them where the best one is rejected, too, or where the calibrated model remains a serious rival. Where one effect is
+/// not enough, the best ones become part of the model, and a second is looked for in the same way: at most two are named.
 
 /// One way in which an effect may act: a place, a sign, a parameter other than its strength.
 struct EffectVariant {
@@ -95,13 +96,13 @@ struct EffectFinding {
     std::size_t seen_variant = 0;  ///< the variant that this strength is of
     // of finalists
     bool finalist = false;
-    double strength = kNaN;  ///< that explains most [-]
-    double strength_deviation =
-        kNaN;                        ///< its standard deviation, the parameters being free; NaN if it is one of two [-]
-    std::vector<double> parameters;  ///< with it [*]
-    double misfit = kNaN;            ///< Q that is left [-]
-    double p = kNaN;                 ///< of so much being left if this is the answer [-]
-    double weight = 0.0;             ///< among the finalists and the calibrated model [-]
+    double strength = kNaN;                   ///< that explains most [-]
+    double strength_deviation = kNaN;         ///< its standard deviation, the parameters being free [-]
+    std::vector<double> parameters;           ///< with it [*]
+    std::vector<double> parameter_deviation;  ///< their standard deviations, all else being free [*]
+    double misfit = kNaN;                     ///< Q that is left [-]
+    double p = kNaN;                          ///< of so much being left if this is the answer [-]
+    double weight = 0.0;                      ///< among the finalists and the calibrated model [-]
 };
 
 struct Diagnosis {
