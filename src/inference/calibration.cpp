@@ -22,6 +22,9 @@ constexpr std::size_t kRaceSeeds = 3;          // [-]
 constexpr std::size_t kSurroundingRounds = 2;  // the second box follows from the first fit [-]
 constexpr std::int64_t kRaceDraws = 1000;      // of the records, for how far a level is behind [-]
 constexpr std::size_t kSeen = 2;               // simulated points that compete with the quadratic's minimum [-]
+constexpr double kDescribes = 0.5;   // share of the variance of losses that a quadratic worth the name explains [-]
+constexpr std::size_t kBestFew = 3;  // points that others are held against [-]
+constexpr double kSurely = 3.0;      // standard errors by which a point is surely worse than they are [-]
 
 /// Streams of random numbers for different uses.
 enum Stream : std::uint64_t { kScreening, kHypercube, kRace, kJudgement, kFolds, kDraws, kBehind, kDesign, kMany = 64 };
@@ -368,7 +371,7 @@ private:
         const std::vector<CalibrationParameter>& p = problem_.parameters;
         const auto n = static_cast<Eigen::Index>(problem_.records);
         const Eigen::VectorXd even = Eigen::VectorXd::Constant(n, 1.0 / static_cast<double>(n));
-        result_.parameters = estimates_of(spread_, p);
+        result_.parameters = estimates_of(spread_, p, tried());
         result_.correlation = correlation_of(spread_);
         result_.directions = directions_of(spread_);
         result_.surroundings = {fit_->points(), fit_->noise(even), fit_->explained(even), true, {}, {}};
@@ -389,16 +392,45 @@ private:
         }
     }
 
+    /// What was simulated of the best level. Surely worse: its records lose more than those of the best few together, by kSurely standard errors.
+    std::vector<TriedPoint> tried() const {
+        std::vector<std::pair<double, std::size_t>> ranked;
+        for (std::size_t k = 0; k < done_; ++k) {
+            const CalibrationEvaluation& e = journal_[k];
+            const double loss = fit_of(e.result, {}).loss;
+            if (e.task.stage <= CalibrationStage::Surroundings && e.task.point.levels == result_.best.levels &&
+                std::isfinite(loss))
+                ranked.emplace_back(loss, k);
+        }
+        std::sort(ranked.begin(), ranked.end());
+        const auto n = static_cast<Eigen::Index>(problem_.records);
+        const auto losses = [&](std::size_t k) {
+            return Eigen::Map<const Eigen::ArrayXd>(journal_[k].result.loss.data(), n);
+        };
+        const std::size_t few = std::min(kBestFew, ranked.size());
+        Eigen::ArrayXd best = Eigen::ArrayXd::Zero(n);
+        for (std::size_t k = 0; k < few; ++k) best += losses(ranked[k].second) / static_cast<double>(few);
+        std::vector<TriedPoint> points;
+        for (const auto& [loss, k] : ranked) {
+            const Eigen::ArrayXd behind = losses(k) - best;
+            const double mean = behind.mean(),
+                         error = std::sqrt((behind - mean).square().sum() / static_cast<double>(n * (n - 1)));
+            points.push_back({unit_point(journal_[k].task.point), mean > kSurely * error});
+        }
+        return points;
+    }
+
     // --- judgement ---
 
-    /// Something that was simulated stands where the quadratic led to something that is surely worse.
+    /// Something that was simulated stands where the quadratic led to something that is surely worse, or worse at all if it describes little.
     void keep_the_better(SimulatedLoss& best, const CalibrationPoint& point, const SimulatedLoss& searched) {
         const CalibrationFit fit = fit_of(searched, {});
         if (!std::isfinite(fit.loss)) return;
         if (std::isfinite(result_.best_fit.loss)) {
             const auto n = static_cast<Eigen::Index>(problem_.records);
             const Eigen::Map<const Eigen::VectorXd> a(best.loss.data(), n), b(searched.loss.data(), n);
-            if (interval_of_mean(a - b).low <= 0.0) return;
+            const bool describes = result_.surroundings.explained >= kDescribes;
+            if (describes ? interval_of_mean(a - b).low <= 0.0 : fit.loss >= result_.best_fit.loss) return;
         }
         result_.surroundings.holds = false;
         best = searched;

@@ -19,6 +19,7 @@ constexpr double kLow = 0.025, kHigh = 0.975;  // ends of intervals [-]
 constexpr double kTakesPart = 0.1;             // share of a parameter in a direction from which on it follows it [-]
 constexpr double kFlat = 0.16;                 // share of flat draws beyond which losses do not bound a parameter [-]
 constexpr double kOnSide = 1e-6;               // from the side of a box [-]
+constexpr std::size_t kEnoughBeyond = 4;       // simulated points that make a wall, per parameter [-]
 
 /// Sides of the search for a minimum, in z.
 void sides(const UnitBox& box, Eigen::VectorXd& low, Eigen::VectorXd& high) {
@@ -138,8 +139,29 @@ double unit_of(const CalibrationParameter& p, double value) {
     return std::clamp(u, 0.0, 1.0);
 }
 
+namespace {
+
+/// Where, from the best point on downwards, all of many simulated points are surely worse: the first of them; else 0.
+double wall_below(double best, Eigen::Index i, const std::vector<TriedPoint>& tried) {
+    double lowest = best, wall = 0.0;
+    for (const TriedPoint& t : tried)
+        if (!t.worse) lowest = std::min(lowest, t.u[i]);
+    std::size_t beyond = 0;
+    for (const TriedPoint& t : tried) {
+        if (t.u[i] >= lowest) continue;
+        wall = std::max(wall, t.u[i]);
+        ++beyond;
+    }
+    return !tried.empty() && beyond >= kEnoughBeyond * static_cast<std::size_t>(tried.front().u.size()) ? wall : 0.0;
+}
+
+}  // namespace
+
 std::vector<ParameterEstimate> estimates_of(const MinimumSpread& spread,
-                                            const std::vector<CalibrationParameter>& parameters) {
+                                            const std::vector<CalibrationParameter>& parameters,
+                                            const std::vector<TriedPoint>& tried) {
+    std::vector<TriedPoint> upside_down = tried;
+    for (TriedPoint& t : upside_down) t.u = Eigen::VectorXd::Ones(t.u.size()) - t.u;
     std::vector<ParameterEstimate> estimates;
     for (std::size_t i = 0; i < parameters.size(); ++i) {
         const auto column = static_cast<Eigen::Index>(i);
@@ -156,6 +178,8 @@ std::vector<ParameterEstimate> estimates_of(const MinimumSpread& spread,
             low = 0.0;
             high = 1.0;
         }
+        low = std::max(low, wall_below(u, column, tried));
+        high = std::min(high, 1.0 - wall_below(1.0 - u, column, upside_down));
         ParameterEstimate e;
         e.value = value_of(parameters[i], u);
         e.interval = {value_of(parameters[i], std::min(low, u)), value_of(parameters[i], std::max(high, u))};

@@ -35,8 +35,16 @@ std::vector<Eigen::VectorXd> latin_hypercube(std::size_t dimension, std::size_t 
 double value_of(const CalibrationParameter& parameter, double u);
 double unit_of(const CalibrationParameter& parameter, double value);
 
+/// A point that was simulated, and whether it is surely worse than the best.
+struct TriedPoint {
+    Eigen::VectorXd u;
+    bool worse = false;
+};
+
+/// Intervals from the spread of the minimum, less what lies beyond simulated points of which all are surely worse: a quadratic knows of no walls.
 std::vector<ParameterEstimate> estimates_of(const MinimumSpread& spread,
-                                            const std::vector<CalibrationParameter>& parameters);
+                                            const std::vector<CalibrationParameter>& parameters,
+                                            const std::vector<TriedPoint>& tried);
 Eigen::MatrixXd correlation_of(const MinimumSpread& spread);
 std::vector<CalibrationDirection> directions_of(const MinimumSpread& spread);
 

@@ -154,8 +154,7 @@ struct SurroundingsFit {
     double noise =
         kNaN;  ///< standard deviation of a mean loss from one simulation to the next, and what no quadratic describes [-]
     double explained = kNaN;  ///< share of the variance of the mean losses [-]
-    bool holds =
-        true;  ///< false: its minimum is surely worse than the end of the best search, which then is the result
+    bool holds = true;        ///< false: its minimum is worse than a point that was simulated, which then is the result
     std::vector<double> low, high;  ///< the box that they lie in [*]
 };
 
