@@ -38,8 +38,7 @@ std::vector<Row> rows_of(const CalibrationReport& r) {
         std::string verdict = kIdentificationNames[static_cast<std::size_t>(e.identified)];
         if (e.at_low) verdict += ", on its lower edge";
         if (e.at_high) verdict += ", on its upper edge";
-        rows.push_back({p.parameters[i].name + unit, short_number(r.result.start.values[i]),
-                        value_text(e.value, e.interval),
+        rows.push_back({p.parameters[i].name + unit, r.keys.given[i], value_text(e.value, e.interval),
                         value_text(e.interval.low, e.interval) + " to " + value_text(e.interval.high, e.interval),
                         short_number(p.parameters[i].low) + " to " + short_number(p.parameters[i].high), verdict});
     }
@@ -241,6 +240,7 @@ std::string calibrate_json(const CalibrationReport& r) {
         const CalibrationParameter& p = r.keys.problem.parameters[i];
         json["parameters"].push_back({{"key", p.name},
                                       {"unit", r.keys.units[i]},
+                                      {"given", r.keys.given[i]},
                                       {"before", result.start.values[i]},
                                       {"value", e.value},
                                       {"interval_95", ends_of(e.interval)},

@@ -54,7 +54,9 @@ class StageProgress {
 public:
     explicit StageProgress(const Context& context) : context_(context) {}
     void operator()(const std::string& stage, std::size_t done, std::size_t planned) {
-        if (stage != stage_) {
+        if (stage == stage_) {
+            progress_->expect(static_cast<std::int64_t>(planned));
+        } else {
             finish();
             stage_ = stage;
             progress_ = std::make_unique<Progress>(context_, stage, static_cast<std::int64_t>(planned));
@@ -156,6 +158,9 @@ void require_enough_blocks(const Context& context, const ObservedSite& observed)
 ExitCode run_diagnose(const Context& context) {
     if (context.observed.empty() && !context.plan)
         throw InputError("give the measurements with --observed, or --plan to learn what a test could show");
+    if (!context.observed.empty() && context.plan)
+        throw InputError(
+            "--plan asks what a test could show before anything is measured: leave --observed out, or --plan");
     DiagnoseStudy study;
     study.site = context.read_site();
     const SiteFile& site = study.site;
@@ -184,6 +189,9 @@ ExitCode run_diagnose(const Context& context) {
     study.inputs = input_lines(model, observed);
     fs::path journal = folder;
     journal += ".journal";
+    if (context.resume && !fs::exists(journal))
+        throw InputError("there is no diagnosis to go on with: " + journal.string() +
+                         " does not exist; leave --resume out, or give the --output of the one that was stopped");
     SimulationStore store(journal, subject_of(study, free, context.full));
     if (fs::exists(journal) && !context.resume) {
         if (!context.overwrite)
@@ -211,9 +219,7 @@ ExitCode run_diagnose(const Context& context) {
     store.remove();
     if (context.quiet) return ExitCode::Done;
     print_diagnosis(*context.out, study);
-    if (study.planning)
-        print_power(*context.out, study);
-    else if (!study.before.observables.empty())
+    if (!study.planning && !study.before.observables.empty())
         *context.out << "site file      " << (folder / "site_extended.toml").string() << "\n";
     *context.out << "report         " << (folder / "report.html").string() << " (beside it diagnosis.json, figures)\n";
     return ExitCode::Done;

@@ -77,9 +77,9 @@ void print_effect(std::ostream& out, const EffectInfo& info) {
         line(p.key, value_text(p) + ", " + range_text({p.low, p.high}, "allowed") + ". " + p.meaning +
                         " Source: " + p.source + ".");
     }
-    out << "\n[[effect]]\n"
-        << effect_as_toml({make_effect(info.kind), {}, {}, info.kind == EffectKind::OwnLaw ? "my_law.so" : ""},
-                          [](const std::string& p) { return p; });
+    EffectSettings entry{make_effect(info.kind), {}, {}, info.kind == EffectKind::OwnLaw ? "my_law.so" : ""};
+    if (info.limits.lines) entry.place.file = "lines.gpkg";
+    out << "\n[[effect]]\n" << effect_as_toml(entry, [](const std::string& p) { return p; });
 }
 
 }  // namespace

@@ -18,13 +18,17 @@ constexpr std::array<const char*, 5> kFreeSections{"soil", "effect", "blocks", "
 
 /// A key as the tables of settings describe it.
 struct KnownKey {
-    std::string allowed, unit, value;  ///< value: as it stands
+    std::string allowed, unit, value;  ///< value: as it stands, in the first entry if several are meant
     bool is_path = false;
+    std::vector<std::string> values;  ///< of all entries that are meant, each once
 };
 
+/// One more entry that a key means.
 template <class S>
-KnownKey known(const Setting<S>& key, const S& settings) {
-    return {key.allowed, key.unit, key.show(settings), key.is_path};
+void add_known(const Setting<S>& key, const S& settings, KnownKey& found) {
+    const std::string value = key.show(settings);
+    if (found.values.empty()) found = {key.allowed, key.unit, value, key.is_path, {}};
+    if (std::find(found.values.begin(), found.values.end(), value) == found.values.end()) found.values.push_back(value);
 }
 
 /// A number of an [[effect]]; berms are not among them, as they stand in the terrain.
@@ -36,12 +40,9 @@ bool find_effect_key(const SiteFile& site, const std::string& name, KnownKey& fo
         const EffectInfo& info = effect_info(e.effect.kind);
         if (info.hook == EffectHook::Terrain || !is_meant(which, info.name, i)) continue;
         for (const auto& k : effect_keys(e.effect.kind))
-            if (k.key == name.substr(last + 1)) {
-                found = known(k, e);
-                return true;
-            }
+            if (k.key == name.substr(last + 1)) add_known(k, e, found);
     }
-    return false;
+    return !found.values.empty();
 }
 
 /// False if there is no such key.
@@ -52,18 +53,13 @@ bool find_key(const SiteFile& site, const std::string& name, KnownKey& found) {
         const std::string soil_name = last > 5 ? name.substr(5, last - 5) : std::string(), key = name.substr(last + 1);
         for (std::size_t i = 0; i < site.settings.soils.size(); ++i)
             for (const auto& k : soil_keys())
-                if (is_meant(soil_name, site.settings.soils[i].name, i) && k.key == key) {
-                    found = known(k, site.settings.soils[i]);
-                    return true;
-                }
-        return false;
+                if (is_meant(soil_name, site.settings.soils[i].name, i) && k.key == key)
+                    add_known(k, site.settings.soils[i], found);
+        return !found.values.empty();
     }
     for (const auto& k : site_keys())
-        if (k.name() == name) {
-            found = known(k, site.settings);
-            return true;
-        }
-    return false;
+        if (k.name() == name) add_known(k, site.settings, found);
+    return !found.values.empty();
 }
 
 std::string trimmed(const std::string& text) {
@@ -162,6 +158,9 @@ private:
                    ": widen the range, or change the value with --set");
         keys.problem.parameters.push_back(p);
         keys.units.push_back(key.unit);
+        keys.given.emplace_back();
+        for (const std::string& value : key.values)
+            keys.given.back() += (keys.given.back().empty() ? "" : ", ") + value;
         keys.whole.push_back(key.allowed.starts_with("a whole number"));
         for (const double end : {p.low, p.high})  // the table of settings knows what is allowed
             with_changes(site_, {name + "=" + keys.text(keys.units.size() - 1, end)});

@@ -14,6 +14,8 @@ struct FreeKeys {
     CalibrationProblem problem;      ///< without the records; names are keys, "soil.loose waste.rolling"
     std::vector<std::string> units;  ///< one per parameter, "m"
     std::vector<bool> whole;         ///< parameters that are whole numbers
+    std::vector<std::string>
+        given;  ///< what the site has for each parameter: "0.1, 0.2" where a key means several entries
 
     /// A point as `--set` changes.
     std::vector<std::string> changes(const CalibrationPoint& point) const;

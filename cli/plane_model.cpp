@@ -7,6 +7,7 @@
 #include <charconv>
 #include <cmath>
 #include <map>
+#include <sstream>
 
 namespace scree::cli {
 
@@ -30,7 +31,12 @@ void add_marks(const SiteFile& site, SiteModel& model) {
     CampaignInput& c = model.campaign;
     const std::size_t drawn = c.screens.size();
     const auto chainages = parse_chainages(site.settings.screen_chainages);
-    for (const auto& [name, s] : chainages) c.screens.push_back({name, {}});
+    for (const auto& [name, s] : chainages) {
+        if (std::any_of(c.screens.begin(), c.screens.end(), [&](const Screen& other) { return other.name == name; }))
+            throw InputError(site.file.string() + ": screens.chainages: there are two screens called '" + name +
+                             "'; give each a name of its own");
+        c.screens.push_back({name, {}, -1});
+    }
     std::map<std::string, bool> met;  // a name may have several lines
     for (std::size_t k = 0; k < c.screens.size(); ++k) {
         bool& stands = met[c.screens[k].name];
@@ -46,6 +52,28 @@ void add_marks(const SiteFile& site, SiteModel& model) {
     }
     for (const auto& [name, stands] : met)
         if (!stands) model.warnings.push_back("screen " + name + " stands on no profile: no block will cross it in 2D");
+}
+
+/// An effect in a place that no profile passes does nothing, which may be a slip.
+void warn_of_effects_beside(SiteModel& model) {
+    for (const Effect& effect : model.campaign.effects) {
+        const EffectPlace& place = effect.place;
+        if (!place.area && !place.reaches) continue;
+        bool met = false;
+        double longest = 0.0;
+        for (const ProfileTrack& track : model.campaign.tracks) {
+            const double length = track.profile.length();
+            longest = std::max(longest, length);
+            const auto stretches = place.reaches ? *place.reaches : track.profile.inside(place.area->polygons);
+            for (const Profile::Stretch& r : stretches) met = met || (r.from < length && r.to > 0.0);
+        }
+        if (met) continue;
+        std::ostringstream text;
+        text << "effect " << effect_info(effect.kind).name
+             << (place.reaches ? " acts beyond the end of every profile" : " acts in polygons that no profile meets")
+             << " (the longest is " << std::lround(longest) << " m long): it does nothing here";
+        model.warnings.push_back(text.str());
+    }
 }
 
 void warn_of_what_is_not_met(const SiteFile& site, SiteModel& model) {
@@ -127,6 +155,7 @@ void add_profiles(const SiteFile& site, SiteModel& model) {
         throw InputError(model.release.report.file + ": " + e.what());  // the core knows no files
     }
     c.profile_release = model.profile_release.get();
+    warn_of_effects_beside(model);
     add_marks(site, model);
     warn_of_what_is_not_met(site, model);
 }

@@ -16,6 +16,8 @@ class Progress {
 public:
     Progress(const Context& context, std::string what, std::int64_t total);
     void update(std::int64_t done);
+    /// There is more or less to do than it seemed.
+    void expect(std::int64_t total) { total_ = total; }
     /// Words behind the numbers, from the next line on: "search, gap 1.3".
     void note(std::string words) { note_ = std::move(words); }
     /// The first so many were done before: they do not count for the rate.

@@ -67,6 +67,14 @@ void load_effects(const SiteFile& site, SiteTerrain& terrain) {
             throw InputError(where +
                              ": from and to are distances along a profile, for model.dimension = 2: give a file "
                              "of polygons or lines instead");
+        if (effect.place.reaches && !info.limits.lines)
+            for (const Profile::Stretch& r : *effect.place.reaches)
+                if (r.from > r.to) {
+                    std::ostringstream text;
+                    text << where << ": from = " << r.from << " m lies beyond to = " << r.to
+                         << " m; chainages grow down the profile: exchange them";
+                    throw InputError(text.str());
+                }
         if (!given.soil.empty()) effect.place.soil = soil_number(s, given.soil, where);
         if (!given.place.file.empty()) {
             const std::vector<GeometryKind> kinds = kinds_of(info.limits);
@@ -111,6 +119,12 @@ std::string effect_text(const EffectSettings& effect) {
     text << info.name;
     if (!effect.soil.empty()) text << " on " << effect.soil;
     if (!effect.place.file.empty()) text << " at the features of " << effect.place.file;
+    if (effect.effect.place.reaches)
+        for (const Profile::Stretch& r : *effect.effect.place.reaches) {
+            text << " from " << r.from;
+            if (std::isfinite(r.to)) text << " to " << r.to;
+            text << " m along the profile";
+        }
     const char* separator = ": ";
     for (std::size_t k = 0; k < info.parameters.size(); ++k) {
         if (std::isnan(effect.effect.values[k])) continue;

@@ -2,12 +2,14 @@
 #include "cli/site_model.hpp"
 
 #include "cli/plane_model.hpp"
+#include "cli/text.hpp"
 #include "gis/table_reader.hpp"
 #include "scree/base/error.hpp"
 #include "scree/base/units.hpp"
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <sstream>
 
 namespace scree::cli {
@@ -42,6 +44,9 @@ BlockPopulation make_population(const SiteFile& site, SiteModel& model) {
     return population;
 }
 
+/// Cells of result rasters, of which there are two dozen, that are finer than the terrain.
+constexpr double kMostResultCells = 1e8;
+
 GridShape result_cells(const GridShape& model, double resolution) {
     if (resolution <= 0.0 || resolution == model.cell) return model;
     GridShape cells = model;  // same north-west corner, so that coarser cells line up with the model's
@@ -49,6 +54,12 @@ GridShape result_cells(const GridShape& model, double resolution) {
     cells.columns = std::max(1, static_cast<int>(std::ceil(model.columns * model.cell / resolution - 1e-9)));
     cells.rows = std::max(1, static_cast<int>(std::ceil(model.rows * model.cell / resolution - 1e-9)));
     cells.origin.y() = model.origin.y() + model.rows * model.cell - cells.rows * resolution;
+    if (resolution<model.cell&& static_cast<double>(cells.columns) * cells.rows> kMostResultCells)
+        throw InputError(
+            "output.resolution = " + short_number(resolution) + " m gives " + std::to_string(cells.columns) + " x " +
+            std::to_string(cells.rows) +
+            " result cells, more than the 100 million that are allowed; choose a coarser one, or cut out the "
+            "site with gdal_translate -projwin");
     return cells;
 }
 
@@ -58,7 +69,7 @@ std::vector<Screen> make_screens(const gis::VectorData& data, const std::string&
     const std::vector<std::string> names = gis::text_field(data, field);
     std::vector<Screen> screens;
     auto add_ring = [&](const std::string& name, const Ring& ring) {
-        Screen screen{name, ring};
+        Screen screen{name, ring, -1};
         screen.line.push_back(ring.front());
         screens.push_back(screen);
     };
@@ -67,7 +78,7 @@ std::vector<Screen> make_screens(const gis::VectorData& data, const std::string&
         if (const auto* lines = std::get_if<Polylines>(&geometry)) {
             // the parts of one feature are one screen: joined by their own end points only, never by a bridge
             for (const Polyline& line : *lines) {
-                Screen screen{names[k], {}};
+                Screen screen{names[k], {}, -1};
                 for (const Vec3& p : line.points) screen.line.push_back(p.head<2>());
                 screens.push_back(screen);
             }
@@ -75,8 +86,30 @@ std::vector<Screen> make_screens(const gis::VectorData& data, const std::string&
             for (const Polygon& polygon : *polygons) add_ring(names[k], polygon.outer);
         }
     }
+    for (std::size_t k = 0; k < screens.size(); ++k) {
+        const auto first =
+            std::find_if(screens.begin(), screens.end(), [&](const Screen& s) { return s.name == screens[k].name; });
+        if (first != screens.begin() + static_cast<std::ptrdiff_t>(k))
+            screens[k].part_of = static_cast<std::int32_t>(first - screens.begin());
+    }
     return screens;
 }
+
+namespace {
+
+/// A name on several features may be meant, and may be a slip.
+void warn_of_shared_names(const gis::VectorData& data, const SiteSettings& s, std::vector<std::string>& warnings) {
+    const std::vector<std::string> names = gis::text_field(data, s.screens.field);
+    std::map<std::string, int> count;
+    for (const std::string& name : names) ++count[name];
+    for (const auto& [name, features] : count)
+        if (features > 1)
+            warnings.push_back(s.screens.file + ": " + std::to_string(features) + " features are called '" + name +
+                               "': they count as one screen, at which a block is measured once; give them names of "
+                               "their own if they are not");
+}
+
+}  // namespace
 
 /// Where blocks start in 3D.
 void add_release_area(const SiteFile& site, SiteModel& model) {
@@ -144,6 +177,7 @@ SiteModel load_site(const SiteFile& site) {
         append(model.warnings, model.screens->report.warnings);
         model.inputs.push_back(site.resolve(s.screens.file).string());
         c.screens = make_screens(*model.screens, s.screens.field);
+        warn_of_shared_names(*model.screens, s, model.warnings);
     }
     if (!s.deposit_zones.file.empty()) {
         model.deposit_zones =

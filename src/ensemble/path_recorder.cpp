@@ -85,6 +85,13 @@ void PathRecorder<Dim>::add_crossing(std::size_t screen, const MotionSegment<Dim
 }
 
 template <int Dim>
+void PathRecorder<Dim>::add_crossings(std::vector<Passed>& passed, const MotionSegment<Dim>& m) {
+    std::sort(passed.begin(), passed.end(), [](const Passed& a, const Passed& b) { return a.share < b.share; });
+    for (const Passed& p : passed)
+        if (!has_crossed(p.line)) add_crossing(screen_of(p.line), m, p.share);
+}
+
+template <int Dim>
 void PathRecorder<Dim>::keep_line(const MotionSegment<Dim>& m) {
     auto keep = [&](double s) {
         line_.points.push_back(on_map(position_at(m, s)));
@@ -207,6 +214,7 @@ void MapRecorder::cross_screens(const MotionSegment<3>& m) {
     Box2 box;
     box.add(start);
     box.add(end);
+    std::vector<Passed> passed;
     for (std::size_t k = 0; k < screen_boxes_.size(); ++k) {
         if (has_crossed(k) || !screen_boxes_[k].overlaps(box)) continue;
         const std::vector<Vec2>& line = input_.screens[k].line;
@@ -219,8 +227,9 @@ void MapRecorder::cross_screens(const MotionSegment<3>& m) {
                          r = (w.x() * d.y() - w.y() * d.x()) / determinant;
             if (s >= 0.0 && s <= 1.0 && r >= 0.0 && r <= 1.0) first = std::min(first, s);
         }
-        if (first <= 1.0) add_crossing(k, m, first);
+        if (first <= 1.0) passed.push_back({k, first});
     }
+    add_crossings(passed, m);
 }
 
 // ---- along a profile ---------------------------------------------------------------------------------------------------------------
@@ -261,19 +270,13 @@ void ProfileRecorder::cross_cells(const MotionSegment<2>& m) {
 
 void ProfileRecorder::cross_screens(const MotionSegment<2>& m) {
     const double start = m.position.x(), end = position_at(m, 1.0).x();
-    struct Passed {
-        std::size_t screen;
-        double share;
-    };
     std::vector<Passed> passed;
     for (const ProfileTrack::Mark& mark : track_.marks) {
         const auto screen = static_cast<std::size_t>(mark.screen);
         if (has_crossed(screen) || start == end || (mark.s - start) * (mark.s - end) > 0.0) continue;
         passed.push_back({screen, (mark.s - start) / (end - start)});
     }
-    std::sort(passed.begin(), passed.end(), [](const Passed& a, const Passed& b) { return a.share < b.share; });
-    for (const Passed& p : passed)
-        if (!has_crossed(p.screen)) add_crossing(p.screen, m, p.share);
+    add_crossings(passed, m);
 }
 
 /// Over one reach the height above it is a downward parabola in time: its largest value is at an end or at the apex.

@@ -39,12 +39,23 @@ protected:
     virtual Vec3 velocity_on_map(const Vec& position, const Vec& velocity) const = 0;
 
     void raise_cell(std::size_t cell, const MotionSegment<Dim>& m, double from, double to);
-    bool has_crossed(std::size_t screen) const { return crossed_[screen]; }
-    void add_crossing(std::size_t screen, const MotionSegment<Dim>& m, double share);
+    /// The screen that this line belongs to.
+    std::size_t screen_of(std::size_t line) const {
+        const std::int32_t other = input_.screens[line].part_of;
+        return other < 0 ? line : static_cast<std::size_t>(other);
+    }
+    bool has_crossed(std::size_t line) const { return crossed_[screen_of(line)]; }
+    struct Passed {
+        std::size_t line;
+        double share;  ///< of the segment [-]
+    };
+    /// Those that were not crossed before, in the order of the path.
+    void add_crossings(std::vector<Passed>& passed, const MotionSegment<Dim>& m);
 
     const CampaignInput& input_;
 
 private:
+    void add_crossing(std::size_t screen, const MotionSegment<Dim>& m, double share);
     void keep_line(const MotionSegment<Dim>& m);
 
     std::int64_t block_;

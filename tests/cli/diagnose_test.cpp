@@ -183,6 +183,12 @@ TEST(Diagnose, RefusesInOneSentence) {
     const Outcome instrument = diagnose(folder / "out", {"--plan", "--instruments", "stops,smell"});
     EXPECT_EQ(instrument.code, 3);
     EXPECT_THAT(instrument.err, HasSubstr("knows no \"smell\""));
+    const Outcome both = diagnose(folder / "out", {"--plan", "--observed", "somewhere"});
+    EXPECT_EQ(both.code, 3);
+    EXPECT_THAT(both.err, HasSubstr("leave --observed out, or --plan"));
+    const Outcome nothing_left = diagnose(folder / "out", {"--plan", "--resume"});
+    EXPECT_EQ(nothing_left.code, 3);
+    EXPECT_THAT(nothing_left.err, HasSubstr("there is no diagnosis to go on with"));
     const Outcome absent =
         diagnose(folder / "out", {"--plan", "--set", "release.count=8", "--set", "diagnosis.without=[\"snow\"]"});
     EXPECT_EQ(absent.code, 3);

@@ -19,6 +19,7 @@ namespace scree::test {
 namespace {
 
 using testing::HasSubstr;
+using testing::Not;
 
 Outcome check_with(const std::string& more) {
     const TempDir folder;
@@ -211,6 +212,24 @@ TEST(EffectRun, InThePlaneToo) {
     const Outcome free = scree_program({"run", site, "--set", "model.dimension=2", "--set", "release.count=60", "--set",
                                         "effect.net.capacity=0", "--output", (folder / "free").string()});
     EXPECT_NE(run.out, free.out);
+}
+
+TEST(EffectRun, SaysWhereNoProfilePasses) {
+    const auto checked = [](const std::string& place) {
+        const TempDir folder;
+        return scree_program({"check", quarry_with(folder.path(), "[[effect]]\nkind = \"ground_drag\"\n" + place),
+                              "--set", "model.dimension=2"});
+    };
+    const Outcome reversed = checked("from = 50\nto = 5\n");
+    EXPECT_EQ(reversed.code, 3);
+    EXPECT_THAT(reversed.err, HasSubstr("effect ground_drag: from = 50 m lies beyond to = 5 m"));
+    const Outcome beyond = checked("from = 5000\nto = 6000\n");
+    EXPECT_EQ(beyond.code, 0);
+    EXPECT_THAT(beyond.err, HasSubstr("effect ground_drag acts beyond the end of every profile"));
+    const Outcome there = checked("from = 5\nto = 40\n");
+    EXPECT_EQ(there.code, 0);
+    EXPECT_THAT(there.err, Not(HasSubstr("it does nothing here")));
+    EXPECT_THAT(there.out, HasSubstr("from 5 to 40 m along the profile"));
 }
 
 TEST(EffectRun, MeasurementEffectsLeaveTheRunAlone) {

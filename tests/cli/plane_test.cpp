@@ -164,6 +164,34 @@ TEST(Plane, ScreensByLineAndByChainageAgree) {
     EXPECT_THAT(text_of(folder / "two" / "profile_1.svg"), HasSubstr("first, s = "));
 }
 
+// Lines of one name, as the parts of one line, are one screen: a block is measured at the first that it meets.
+TEST(Plane, AScreenOfSeveralLinesCountsABlockOnce) {
+    const TempDir folder;
+    const fs::path lines = folder / "screens.gpkg";
+    write_vector(
+        lines.string(),
+        {.layer = "screens",
+         .text_field = "name",
+         .rows = {{"MULTILINESTRING ((890040 6670000, 890040 6670080), (890050 6670000, 890050 6670080))", "a", {}},
+                  {"LINESTRING (890060 6670000, 890060 6670080)", "a", {}}}});
+    const std::string file = "screens.file='" + lines.string() + "'";
+    for (const char* dimension : {"model.dimension=2", "model.dimension=3"}) {
+        const fs::path out = folder / dimension;
+        const Outcome run = run_quarry_a(out, {"--set", file, "--set", dimension});
+        ASSERT_EQ(run.code, 0) << run.err;
+        EXPECT_THAT(run.err, HasSubstr("2 features are called 'a': they count as one screen"));
+        EXPECT_THAT(run.out, HasSubstr("screen         a: 100 % pass"));
+        std::set<std::string> blocks;
+        for (const PointRow& c : read_points(out / "results.gpkg", "screen_crossings")) {
+            EXPECT_TRUE(blocks.insert(c.values.at("block")).second) << "twice";
+            EXPECT_NEAR(c.at.x(), 890040.0, 0.01) << "the first that it meets";
+        }
+    }
+    const Outcome twice = check_2d({"screens.chainages='A = 20, A = 40'"});
+    EXPECT_EQ(twice.code, 3);
+    EXPECT_THAT(twice.err, HasSubstr("two screens called 'A'"));
+}
+
 TEST(Plane, CheckShowsTheProfiles) {
     const Outcome check = check_2d({});
     ASSERT_EQ(check.code, 0) << check.err;

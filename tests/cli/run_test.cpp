@@ -152,6 +152,15 @@ TEST(Run, KeepsContactProblemsAboveTheTolerance) {
     }
 }
 
+TEST(Run, RefusesMoreResultCellsThanMemoryHolds) {
+    const TempDir folder;
+    const Outcome run = run_quarry_a(folder / "out", {"--set", "output.resolution=0.002"});
+    EXPECT_EQ(run.code, 3);
+    EXPECT_THAT(run.err, HasSubstr("output.resolution = 0.002 m gives "));
+    EXPECT_THAT(run.err, HasSubstr("more than the 100 million that are allowed"));
+    EXPECT_FALSE(fs::exists(folder / "out"));
+}
+
 TEST(Run, SeedChangesTheBlocks) {
     const TempDir folder;
     ASSERT_EQ(run_quarry_a(folder / "one", {"--set", "release.count=3"}).code, 0);

@@ -24,6 +24,8 @@ namespace scree {
 struct Screen {
     std::string name;
     std::vector<Vec2> line;  ///< plan view; closed outlines repeat their first point [m]
+    std::int32_t part_of =
+        -1;  ///< index of the screen before it that this is another line of, which counts instead; -1: of none
 };
 
 /// The first time that a block crosses a screen, at the exact crossing of the path of its centre of mass.
