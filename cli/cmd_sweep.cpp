@@ -5,10 +5,14 @@
 #include "cli/progress.hpp"
 #include "cli/sweep_report.hpp"
 #include "gis/results_writer.hpp"
+#include "scree/base/random.hpp"
+#include "scree/inference/distance.hpp"
 #include "scree/inference/gap_function.hpp"
 
 #include <algorithm>
 #include <cmath>
+#include <map>
+#include <numeric>
 #include <ostream>
 
 namespace scree::cli {
@@ -26,15 +30,17 @@ Observations pooled(Observations o) {
     return o;
 }
 
-ObservationTable rows_between(const ObservationTable& table, std::size_t first, std::size_t last, bool inside) {
+ObservationTable rows_where(const ObservationTable& table, const std::vector<char>& chosen, bool yes) {
     ObservationTable some{table.columns, std::vector<std::vector<double>>(table.columns.size()), {}};
     for (std::size_t row = 0; row < table.rows(); ++row) {
-        if ((row >= first && row < last) != inside) continue;
+        if ((chosen[row] != 0) != yes) continue;
         some.block.push_back(table.block[row]);
         for (std::size_t c = 0; c < table.values.size(); ++c) some.values[c].push_back(table.values[c][row]);
     }
     return some;
 }
+
+constexpr std::uint64_t kBaseSets = 100;  ///< drawn for what chance gives [-]
 
 /// A measure with the column that it is the mean of.
 struct MeasuredColumn {
@@ -168,25 +174,39 @@ private:
         return compare_tables(some, others, observables, {}, gaps_only).overall.gap;
     }
 
-    /// Gaps of sets of the site as it is, with so many blocks, to the rest of it.
-    std::vector<double> base_gaps(std::int64_t blocks) const {
-        std::vector<double> gaps;
+    /// Gaps of sets of so many blocks of the site as it is to the rest of them: what chance gives. Sets are drawn from all its blocks, more often than
+    /// there are sets of a value, or the limit would depend on which were the last of twenty. None where a set is more than half of all.
+    const std::vector<double>& base_gaps(std::int64_t blocks) {
+        const auto known = base_gaps_.find(blocks);
+        if (known != base_gaps_.end()) return known->second;
+        std::vector<double>& gaps = base_gaps_[blocks];
         const auto n = static_cast<std::size_t>(blocks);
-        for (std::size_t first = 0; first + n < base_.rows() && gaps.size() < sets_; first += n)
-            gaps.push_back(gap_between(rows_between(base_, first, first + n, true),
-                                       rows_between(base_, first, first + n, false), false));
+        for (std::uint64_t draw = 0; draw < kBaseSets && 2 * n <= base_.rows(); ++draw) {
+            RandomStream random(seed(), draw, RandomPurpose::Resampling);
+            std::vector<std::size_t> order(base_.rows());
+            std::iota(order.begin(), order.end(), std::size_t{0});
+            std::vector<char> chosen(base_.rows(), 0);
+            for (std::size_t k = 0; k < n; ++k) {
+                std::swap(order[k], order[k + random.below(order.size() - k)]);
+                chosen[order[k]] = 1;
+            }
+            gaps.push_back(gap_between(rows_where(base_, chosen, true), rows_where(base_, chosen, false), false));
+        }
+        std::sort(gaps.begin(), gaps.end());
         return gaps;
     }
 
-    void judge(SweepValue& v, const ObservationTable& table) const {
+    void judge(SweepValue& v, const ObservationTable& table) {
         const auto n = static_cast<std::size_t>(v.blocks);
-        std::vector<double> gaps, own = base_gaps(v.blocks);
-        for (std::size_t s = 0; s < sets_ && s * n < table.rows(); ++s)
-            gaps.push_back(gap_between(rows_between(table, s * n, (s + 1) * n, true), base_, false));
+        std::vector<double> gaps;
+        for (std::size_t s = 0; s < sets_ && s * n < table.rows(); ++s) {
+            std::vector<char> chosen(table.rows(), 0);
+            for (std::size_t row = s * n; row < std::min((s + 1) * n, table.rows()); ++row) chosen[row] = 1;
+            gaps.push_back(gap_between(rows_where(table, chosen, true), base_, false));
+        }
         v.influence = spread_over_sets(gaps);
-        constexpr std::size_t kLeastSets = 4;
-        if (own.size() < kLeastSets || gaps.empty()) return;  // too few to say what chance gives
-        std::sort(own.begin(), own.end());
+        const std::vector<double>& own = base_gaps(v.blocks);
+        if (own.empty() || gaps.empty()) return;
         const double limit = sample_quantile(own, 0.95);
         v.told_apart =
             static_cast<double>(std::count_if(gaps.begin(), gaps.end(), [&](double g) { return g > limit; })) /
@@ -198,6 +218,7 @@ private:
     const SiteModel& model_;
     const ObservedSite& observed_;
     GapFunction function_;
+    std::map<std::int64_t, std::vector<double>> base_gaps_;  ///< by the blocks of a set, ascending [-]
     std::size_t sets_;
     std::vector<MeasuredColumn> measures_;
     std::int64_t blocks_ = 0;

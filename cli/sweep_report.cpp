@@ -147,7 +147,9 @@ void print_sweep(std::ostream& out, const SweepStudy& study) {
         out << padded(std::isfinite(study.measures[m].measured) ? short_number(study.measures[m].measured) : "-",
                       widths[m]);
     out << "\n\ntold apart: share of the sets that are farther from the site as it is than 95 % of its own sets; 5 % "
-           "if a key does nothing\n";
+           "if a key does nothing, give or take "
+        << share_text(std::sqrt(0.05 * 0.95 / static_cast<double>(std::max<std::int64_t>(study.sets, 1))))
+        << "; - where a set is more than half of the site's own blocks\n";
 }
 
 std::string sweep_csv(const SweepStudy& study) {
