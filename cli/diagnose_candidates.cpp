@@ -64,6 +64,20 @@ constexpr Search kSearches[] = {
     {"height_datum", K::HeightDatum, "offset", -0.3, 6.0, Where::Everywhere, "too low"},
 };
 
+constexpr double kMostForce = 30.0;   ///< largest strength of a force without a name [-]
+constexpr double kLeastSpeed = 0.05;  ///< slower, it does not grow as the speed falls [m/s]
+
+/// An acceleration a (v / 1 m/s)^b (m / d)^c against the motion.
+void force_in_contact(const scree_contact_state* state, scree_ground_drag_values* drag) {
+    const auto& [a, b, c, d] = state->number;
+    const double speed = std::max(std::hypot(state->velocity[0], state->velocity[1], state->velocity[2]), kLeastSpeed);
+    drag->linear = a * std::pow(speed, b - 1.0) * std::pow(state->mass / d, c);
+}
+
+void weaker_bounces(const scree_contact_state* state, scree_contact_law_values* law) {
+    law->restitution *= std::max(0.0, 1.0 - state->number[0]);
+}
+
 std::string joined(const std::string& a, const std::string& b) {
     return a.empty() || b.empty() ? a + b : a + ", " + b;
 }
@@ -79,6 +93,34 @@ public:
         if (along < table.columns.size())
             for (const double v : table.values[along])
                 if (std::isfinite(v)) length_ = std::max(length_, v);
+    }
+
+    DiagnosisCatalogue forces() {
+        const bool known = observed_.observations.matched;
+        DiagnosisCandidate contact{kForceNames[0], "", false, {}}, all{kForceNames[1], "", false, {}},
+            bounces{kForceNames[2], "", false, {}}, stretches{kForceNames[3], "", false, {}};
+        for (const double power : kSpeedPowers)
+            for (const double of_mass : kMassPowers)
+                if (known || of_mass == 0.0) contact.variants.push_back(force(power, of_mass));
+        DiagnosisVariant everywhere;
+        everywhere.kind = K::ForestDrag;
+        everywhere.parameter = "coefficient";
+        everywhere.reference = 0.3 * typical_mass();
+        everywhere.most = kMostForce;
+        everywhere.probe = make_effect(K::ForestDrag);
+        everywhere.probe->set("height", effect_parameter(K::ForestDrag, "height").high);
+        all.variants.push_back(everywhere);
+        DiagnosisVariant weaker = probe();
+        weaker.reference = 0.2;
+        weaker.most = 5.0;
+        weaker.probe->own.contact_law = weaker_bounces;
+        bounces.variants.push_back(weaker);
+        for (std::size_t k = 0; length_ > 0.0 && k < kStrips; ++k) add_strip(force(1.0, 0.0), k, stretches);
+        result_.candidates = {contact, all};
+        if (std::any_of(s_.soils.begin(), s_.soils.end(), [](const Soil& soil) { return soil.restitution > 0.0; }))
+            result_.candidates.push_back(bounces);
+        if (!stretches.variants.empty()) result_.candidates.push_back(stretches);
+        return std::move(result_);
     }
 
     DiagnosisCatalogue make() {
@@ -104,6 +146,41 @@ public:
     }
 
 private:
+    /// A law of our own whose number `a` is the strength.
+    static DiagnosisVariant probe() {
+        DiagnosisVariant v;
+        v.kind = K::OwnLaw;
+        v.parameter = "a";
+        v.start = 0.0;
+        v.probe = make_effect(K::OwnLaw);
+        return v;
+    }
+
+    /// Against the motion in contact.
+    DiagnosisVariant force(double speed_power, double mass_power) const {
+        DiagnosisVariant v = probe();
+        std::ostringstream text;
+        text << "speed^" << speed_power << " mass^" << mass_power;
+        v.label = text.str();
+        v.reference = 0.3;
+        v.most = kMostForce;
+        v.probe->own.ground_drag = force_in_contact;
+        v.probe->set("b", speed_power);
+        v.probe->set("c", mass_power);
+        v.probe->set("d", typical_mass());
+        return v;
+    }
+
+    double typical_mass() const {
+        double sum = 0.0, count = 0.0;
+        for (const ObservedBlock& b : observed_.observations.blocks)
+            if (b.has_body()) {
+                sum += std::log(b.mass);
+                count += 1.0;
+            }
+        return count > 0.0 ? std::exp(sum / count) : 1000.0;
+    }
+
     bool measured(Quantity q) const { return std::find(measured_.begin(), measured_.end(), q) != measured_.end(); }
 
     /// Names in diagnosis.without must be those of effects that would be searched for.
@@ -238,7 +315,7 @@ double DiagnosisVariant::value(double strength) const {
 }
 
 Effect DiagnosisVariant::at(double strength) const {
-    Effect effect = make_effect(kind);
+    Effect effect = probe ? *probe : make_effect(kind);
     effect.place = place;
     if (kind == EffectKind::SpeedError) effect.set("bias", 0.0);  // one of its two errors at a time
     effect.set(parameter, value(strength));
@@ -253,6 +330,10 @@ std::vector<CandidateEffect> DiagnosisCatalogue::for_core() const {
         list.push_back(std::move(e));
     }
     return list;
+}
+
+DiagnosisCatalogue make_forces(const SiteFile& calibrated, const SiteModel& model, const ObservedSite& observed) {
+    return Catalogue(calibrated, model, observed).forces();
 }
 
 DiagnosisCatalogue make_candidates(const SiteFile& calibrated, const SiteModel& model, const ObservedSite& observed) {

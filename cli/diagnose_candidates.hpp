@@ -4,6 +4,8 @@
 #include "cli/observed_site.hpp"
 #include "scree/inference/diagnosis.hpp"
 
+#include <array>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -23,6 +25,8 @@ struct DiagnosisVariant {
     double from = kNaN, to = kNaN;  ///< chainages along the axis of the observations that `place` lies between [m]
 
     SoilId ground = 0;  ///< soil in the middle of `place`, which a soil patch changes
+    std::optional<Effect>
+        probe;  ///< what acts where the catalogue has no effect for it, but for `parameter` and `place`
 
     /// The same with `start` as these soils have it: where parameters of soils move, so does what changes nothing.
     DiagnosisVariant on_ground(std::span<const Soil> soils) const;
@@ -48,5 +52,14 @@ struct DiagnosisCatalogue {
 
 /// Everything of the effects' catalogue that this site and test can be searched for. Effects that the site has already are left out.
 DiagnosisCatalogue make_candidates(const SiteFile& calibrated, const SiteModel& model, const ObservedSite& observed);
+
+/// Forces without a name, for what has none: they say in which phase of the motion, at which speeds, masses and places something is missing. As candidates:
+/// against the motion while the block touches the ground, growing with powers of speed and of mass (each of kSpeedPowers with each of kMassPowers); the same all
+/// the way, in flight as well, proportional to speed over mass; bounces that are weaker; and the first, proportional to the speed, on stretches of the path.
+DiagnosisCatalogue make_forces(const SiteFile& calibrated, const SiteModel& model, const ObservedSite& observed);
+inline constexpr std::array kSpeedPowers{0.0, 1.0, 2.0};
+inline constexpr std::array kMassPowers{0.0, -0.5,
+                                        0.5};  ///< of the acceleration; only the first where blocks are unknown
+inline constexpr std::array kForceNames{"contact", "all the way", "bounces", "stretches"};
 
 }  // namespace scree::cli

@@ -50,8 +50,8 @@ public:
         study_.before = compared(study_.baseline, {}, study_.campaign);
         if (study_.interrupted) return;
         study_.catalogue = make_candidates(test_.site_at(study_.baseline.point), in_.model, in_.observed);
-        study_.diagnosis =
-            diagnose(problem(study_.baseline), measured(), study_.settings, simulation(study_.baseline), reporter());
+        study_.diagnosis = diagnose(problem(study_.baseline), measured(), study_.settings,
+                                    simulation(study_.baseline, study_.catalogue), reporter());
         study_.interrupted = study_.diagnosis.interrupted;
         study_.verdict = study_.diagnosis.verdict;
         if (study_.diagnosis.together) {
@@ -61,6 +61,21 @@ public:
                 if (!study_.interrupted) refit({f});
         }
         if (!study_.interrupted) judge_refits(study_);
+        if (!study_.interrupted && study_.verdict == Verdict::Unknown) try_forces();
+    }
+
+    /// What has no name: when, where and for which blocks it acts, as forces tell whose fingerprints are held against what the model leaves.
+    void try_forces() {
+        DiagnosisProblem p = problem(study_.baseline);
+        p.calibrated = study_.diagnosis.parameters;
+        CalibratedModel model = study_.baseline;
+        for (std::size_t k = 0; k < p.calibrated.size(); ++k)
+            model.point.values[k] = from_unit(study_.keys.problem.parameters[k], p.calibrated[k]);
+        study_.forces = make_forces(test_.site_at(model.point), in_.model, in_.observed);
+        p.effects = study_.forces.for_core();
+        study_.by_force =
+            scree::plan_test(p, measured(), study_.settings, simulation(model, study_.forces), reporter());
+        study_.interrupted = study_.by_force.interrupted;
     }
 
     void plan_test() {
@@ -69,8 +84,8 @@ public:
         for (const CalibrationChoice& c : study_.keys.problem.choices) as_given.point.levels.push_back(c.start);
         study_.baseline = as_given;
         study_.catalogue = make_candidates(test_.site_at(as_given.point), in_.model, in_.observed);
-        study_.diagnosis =
-            scree::plan_test(problem(as_given), measured(), study_.settings, simulation(as_given), reporter());
+        study_.diagnosis = scree::plan_test(problem(as_given), measured(), study_.settings,
+                                            simulation(as_given, study_.catalogue), reporter());
         study_.interrupted = study_.diagnosis.interrupted;
     }
 
@@ -104,19 +119,19 @@ private:
         return p;
     }
 
-    std::vector<Effect> effects_of(const std::vector<EffectDose>& doses, const SiteFile& site) const {
+    static std::vector<Effect> effects_of(const std::vector<EffectDose>& doses, const DiagnosisCatalogue& catalogue,
+                                          const SiteFile& site) {
         std::vector<Effect> effects;
         for (const EffectDose& d : doses)
-            effects.push_back(study_.catalogue.candidates[d.effect]
-                                  .variants[d.variant]
-                                  .on_ground(site.settings.soils)
-                                  .at(d.strength));
+            effects.push_back(
+                catalogue.candidates[d.effect].variants[d.variant].on_ground(site.settings.soils).at(d.strength));
         return effects;
     }
 
     /// Whoever asks the same again gets it from disc.
-    DiagnosisSimulation simulation(const CalibratedModel& model) const {
-        return [this, levels = model.point.levels](const DiagnosisTask& task) -> std::optional<ObservationTable> {
+    DiagnosisSimulation simulation(const CalibratedModel& model, const DiagnosisCatalogue& catalogue) const {
+        return [this, &catalogue,
+                levels = model.point.levels](const DiagnosisTask& task) -> std::optional<ObservationTable> {
             std::ostringstream words;
             words.precision(17);
             CalibrationPoint point{{}, levels};
@@ -126,13 +141,13 @@ private:
             }
             for (const std::size_t level : levels) words << level << " ";
             for (const EffectDose& d : task.effects) {
-                const DiagnosisVariant& v = study_.catalogue.candidates[d.effect].variants[d.variant];
+                const DiagnosisVariant& v = catalogue.candidates[d.effect].variants[d.variant];
                 words << effect_info(v.kind).name << " " << v.label << " " << v.parameter << " " << d.strength << " ";
             }
             words << task.seed << " " << task.repeats;
             if (auto kept = in_.store.find(words.str())) return kept;
             const SiteFile site = test_.site_at(point);
-            const std::vector<Effect> effects = effects_of(task.effects, site);
+            const std::vector<Effect> effects = effects_of(task.effects, catalogue, site);
             const CampaignResult campaign = test_.run(site, task.seed, task.repeats, effects);
             if (campaign.interrupted) return std::nullopt;
             ObservationTable table =

@@ -61,7 +61,9 @@ struct DiagnoseStudy {
     Diagnosis diagnosis;
     Verdict verdict = Verdict::None;  ///< after the refits
     std::vector<AnswerFit> answers;   ///< refitted, best first
-    std::string demoted;              ///< why the verdict is weaker than the diagnosis alone has it; empty: it is not
+    DiagnosisCatalogue forces;        ///< without a name, tried where the verdict is UNKNOWN
+    Diagnosis by_force;   ///< z of each of their ways, in the order of candidates and variants; empty: not tried
+    std::string demoted;  ///< why the verdict is weaker than the diagnosis alone has it; empty: it is not
     bool interrupted = false;
 
     const DiagnosisCandidate& candidate_of(const EffectFinding& f) const { return catalogue.candidates[f.effect]; }
