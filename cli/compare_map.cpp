@@ -36,11 +36,27 @@ SvgText label(double size, const char* anchor) {
     return text;
 }
 
-std::vector<Vec2> simulated_stops(const CampaignResult& campaign) {
-    std::vector<Vec2> stops;
-    for (const BlockResult& b : campaign.blocks)
-        if (b.done && b.reason != StopReason::Failed) stops.push_back(b.stop.head<2>());
+/// Where blocks came to rest, and how many of all did not.
+struct SimulatedStops {
+    std::vector<Vec2> at_rest;
+    std::size_t others = 0;
+};
+SimulatedStops simulated_stops(const CampaignResult& campaign) {
+    SimulatedStops stops;
+    for (const BlockResult& b : campaign.blocks) {
+        if (!b.done || b.reason == StopReason::Failed) continue;
+        if (b.reason == StopReason::AtRest)
+            stops.at_rest.push_back(b.stop.head<2>());
+        else
+            ++stops.others;
+    }
     return stops;
+}
+
+std::string share_text(std::size_t some, std::size_t all) {
+    return gis::axis_number(
+               std::max(0.1, std::round(1000.0 * static_cast<double>(some) / static_cast<double>(all)) / 10.0), 0.1) +
+           " %";
 }
 
 Box2 shown(const SiteModel& model, const ObservedSite& observed, const std::vector<Vec2>& stops) {
@@ -64,16 +80,16 @@ Box2 shown(const SiteModel& model, const ObservedSite& observed, const std::vect
 }
 
 /// Shares of the blocks per cell, as rectangles of their class.
-double draw_density(Svg& svg, const SvgPanel& panel, const std::vector<Vec2>& stops, double least_cell) {
+double draw_density(Svg& svg, const SvgPanel& panel, const SimulatedStops& stops, double least_cell) {
     const Vec2 extent = panel.data.max - panel.data.min;
     const double cell = std::max(least_cell, gis::round_step(extent.maxCoeff() / kCellsAcross, 1));
     std::map<std::pair<int, int>, int> counts;
-    for (const Vec2& p : stops) {
+    for (const Vec2& p : stops.at_rest) {
         const Vec2 at = (p - panel.data.min) / cell;
         ++counts[{static_cast<int>(std::floor(at.x())), static_cast<int>(std::floor(at.y()))}];
     }
     for (const auto& [at, count] : counts) {
-        const double share = count / static_cast<double>(stops.size());
+        const double share = count / static_cast<double>(stops.at_rest.size() + stops.others);
         const char* colour = kClasses[0].colour;
         for (const DensityClass& c : kClasses)
             if (share >= c.share) colour = c.colour;
@@ -178,8 +194,8 @@ void draw_class_legend(Svg& svg, Vec2 at, double cell) {
 
 Figure compare_map(const CompareStudy& study, const SiteModel& model, const ObservedSite& observed,
                    const CampaignResult& campaign) {
-    const std::vector<Vec2> stops = simulated_stops(campaign);
-    const Box2 box = shown(model, observed, stops);
+    const SimulatedStops stops = simulated_stops(campaign);
+    const Box2 box = shown(model, observed, stops.at_rest);
     const Vec2 extent = box.max - box.min;
     const double scale = std::min(kMapWidth / extent.x(), kMostHeight / extent.y());
     const Vec2 size = scale * extent;
@@ -217,6 +233,9 @@ Figure compare_map(const CompareStudy& study, const SiteModel& model, const Obse
     return {"map.svg", "Map",
             std::string(observed.observations.stops.empty() ? "Density of the simulated stops"
                                                             : "Measured stops over the density of the simulated ones") +
+                (stops.others == 0 ? ""
+                                   : " (" + share_text(stops.others, stops.at_rest.size() + stops.others) +
+                                         " of the blocks did not come to rest on the terrain: not drawn)") +
                 ". Dotted: the axis along which distance counts, " + observed.axis_text + ".",
             svg.text()};
 }

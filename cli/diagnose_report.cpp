@@ -153,7 +153,7 @@ std::string nearest(const DiagnoseStudy& study) {
     const EffectFinding& f = findings.front();
     const std::string name = "; " + variant_name(study.variant_of(f)) + " comes nearest, but ";
     if (f.p <= study.settings.rejected)
-        return name + "its own simulations look as far off in p = " + p_text(f.p) + " only";
+        return name + "only " + short_number(100.0 * f.p) + " % of its own simulations look as far off";
     return name + "has a weight of " + weight_text(f.weight) + " only";
 }
 

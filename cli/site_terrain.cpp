@@ -47,7 +47,7 @@ SiteTerrain load_terrain(const SiteFile& site) {
                   << terrain.data.triangulation->max_error << " m (largest)";
     } else {
         terrain.surface = make_grid_surface(terrain.data.grid, std::move(terrain.data.grid_soil));
-        words << terrain.surface->facet_count() << " facets, two a cell";
+        words << "two facets a cell, none over holes";
     }
     terrain.surface_report = words.str();
     return terrain;

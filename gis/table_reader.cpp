@@ -225,6 +225,7 @@ BlockList read_block_list(const std::string& file) {
     constexpr double kMaxMass = 1e9, kMaxEdge = 1000;  // [kg], [m]
     constexpr double kMinBoxDensity = 500,
                      kMaxBoxDensity = 3500;  // mass over the volume of the box around the block [kg/m^3]
+    constexpr double kAbsurd = 4.0;          // times beyond these: no block, a slip of units [-]
     std::string missing;
     for (const char* name : {"block_id", "mass_kg", "L1_m", "L2_m", "L3_m"}) {
         if (std::find(table.header.begin(), table.header.end(), name) == table.header.end())
@@ -248,6 +249,11 @@ BlockList read_block_list(const std::string& file) {
         std::sort(l.rbegin(), l.rend());
         const double density = mass[r] / (l[0] * l[1] * l[2]);
         if (!(density >= kMinBoxDensity && density <= kMaxBoxDensity) && ++strange == 1) first_strange = line;
+        if (!(density >= kMinBoxDensity / kAbsurd && density <= kMaxBoxDensity * kAbsurd))
+            throw InputError(words(place, ", line ", line, ", has a block of ", mass[r], " kg and ", l[0], " x ", l[1],
+                                   " x ", l[2], " m: its mass / (L1 L2 L3) of ", density,
+                                   " kg/m3 is that of no rock, which has ", kMinBoxDensity, " to ", kMaxBoxDensity,
+                                   "; check the units (kg, m)."));
         list.blocks.push_back({table.rows[r].cells[id], mass[r], l[0], l[1], l[2]});
         if (list.blocks.back().id.empty())
             throw InputError(words(place, ", line ", line, ", has no block_id; give each block a name of its own."));

@@ -80,7 +80,9 @@ TEST(BlockList, ValuesAreCheckedWithLineAndText) {
                 HasSubstr("'A' in lines 2 and 4"));
     EXPECT_THAT(error_of(kHeader + "\"A,500,0.8\n"), HasSubstr("never closed"));
     EXPECT_THAT(error_of(std::string("a\0b", 3)), HasSubstr("binary"));
-    EXPECT_THAT(blocks_of(kHeader + "A,0.5,0.8,0.6,0.5\n").warnings, Contains(HasSubstr("check the units")));
+    EXPECT_THAT(blocks_of(kHeader + "A,100,0.8,0.6,0.5\n").warnings, Contains(HasSubstr("check the units")));
+    EXPECT_THAT(error_of(kHeader + "A,0.5,0.8,0.6,0.5\n"),
+                AllOf(HasSubstr("line 2, has a block of 0.5 kg"), HasSubstr("check the units")));
     EXPECT_THAT(test::input_error_of([] { read_block_list("/nowhere/blocks.csv"); }), HasSubstr("does not exist"));
 }
 
