@@ -217,6 +217,9 @@ private:
             if (!block.has_body()) take_from_list(block);
             if (!block.has_body()) without.insert(block.id);
         }
+        std::set<std::string> no_stop = without;  // perhaps an id that is a slip
+        for (const ObservedStop& s : o.stops)
+            if (s.block >= 0) no_stop.erase(o.blocks[static_cast<std::size_t>(s.block)].id);
         bool some_stops = false, all_stops = true;
         for (const ObservedStop& s : o.stops) (s.block >= 0 ? some_stops : all_stops) = s.block >= 0;
         if (some_stops && !all_stops)
@@ -230,12 +233,17 @@ private:
                  "L2_m, L3_m: they are compared as a "
                  "pool with the site's own population");
         } else if (!without.empty()) {
-            find(Severity::Error, "blocks_unknown",
-                 std::to_string(without.size()) + " of " + std::to_string(o.blocks.size()) + " measured blocks (" +
-                     listed(without) +
-                     ") have no mass_kg, L1_m, L2_m, L3_m, neither in the observations nor in the block list: complete "
-                     "them, or compare pools with "
-                     "--set observed.matched=false");
+            find(
+                Severity::Error, "blocks_unknown",
+                std::to_string(without.size()) + " of " + std::to_string(o.blocks.size()) + " measured blocks (" +
+                    listed(without) +
+                    ") have no mass_kg, L1_m, L2_m, L3_m, neither in the observations nor in the block list" +
+                    (no_stop.empty() || o.stops.empty()
+                         ? ""
+                         : ", and " + listed(no_stop) + " crossed a screen but stopped nowhere: a mistaken block_id?") +
+                    ": complete "
+                    "them, or compare pools with "
+                    "--set observed.matched=false");
         } else {
             o.matched = true;
         }

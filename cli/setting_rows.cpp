@@ -11,33 +11,6 @@
 
 namespace scree::cli {
 
-namespace {
-
-std::string bound_text(double value) {
-    std::ostringstream s;
-    s.precision(6);
-    s << value;
-    return s.str();
-}
-
-std::string node_text(const toml::node& node) {
-    std::ostringstream s;
-    node.visit([&](const auto& n) {
-        if constexpr (toml::is_value<decltype(n)>)
-            s << n;
-        else
-            s << "a table or list";
-    });
-    return s.str();
-}
-
-[[noreturn]] void refuse(const std::string& where, const std::string& name, const toml::node& node,
-                         const std::string& allowed) {
-    throw InputError(where + ": " + name + " = " + node_text(node) + " is not allowed: give " + allowed);
-}
-
-}  // namespace
-
 std::string number_text(double value) {
     if (value == std::floor(value) && std::abs(value) < 1e15) {
         std::ostringstream s;
@@ -51,6 +24,35 @@ std::string number_text(double value) {
         std::to_chars(buffer, buffer + sizeof buffer, value).ptr;  // shortest text that reads back the same
     return {buffer, end};
 }
+
+namespace {
+
+std::string bound_text(double value) {
+    std::ostringstream s;
+    s.precision(6);
+    s << value;
+    return s.str();
+}
+
+std::string node_text(const toml::node& node) {
+    std::ostringstream s;
+    node.visit([&](const auto& n) {
+        if constexpr (toml::is_floating_point<decltype(n)>)
+            s << number_text(*n);
+        else if constexpr (toml::is_value<decltype(n)>)
+            s << n;
+        else
+            s << "a table or list";
+    });
+    return s.str();
+}
+
+[[noreturn]] void refuse(const std::string& where, const std::string& name, const toml::node& node,
+                         const std::string& allowed) {
+    throw InputError(where + ": " + name + " = " + node_text(node) + " is not allowed: give " + allowed);
+}
+
+}  // namespace
 
 std::string quoted(const std::string& text) {
     std::ostringstream s;

@@ -102,14 +102,18 @@ void read_soils(const toml::node& node, const std::string& file, std::vector<Soi
         throw InputError(location(file, node) + ": soil must be a list of tables: begin each soil with [[soil]]");
     for (const toml::node& entry : *list) {
         Soil soil;
+        const std::string called = (*entry.as_table())["name"].value_or(std::string());
+        const auto where = [&](const toml::node& at) {
+            return location(file, at) + (called.empty() ? "" : ", soil \"" + called + "\"");
+        };
         for (const auto& [key, value] : *entry.as_table()) {
             const std::string name(key.str());
             const auto known =
                 std::find_if(soil_keys().begin(), soil_keys().end(), [&](const auto& k) { return k.key == name; });
             if (known == soil_keys().end())
-                throw InputError(location(file, value) + ": [[soil]] has no key " + name +
+                throw InputError(where(value) + ": [[soil]] has no key " + name +
                                  "; it knows name, restitution, friction, rolling");
-            known->read(soil, value, location(file, value));
+            known->read(soil, value, where(value));
         }
         if (soil.name.empty())
             throw InputError(location(file, entry) + ": a [[soil]] has no name: zones refer to soils by name");
@@ -189,9 +193,14 @@ void apply_change(toml::table& table, const std::string& change) {
             toml::table* entry = (*list)[i].as_table();
             if (entry && is_meant(which, (*entry)[name].value_or(std::string()), i)) targets.push_back(entry);
         }
-        if (targets.empty())
+        if (targets.empty()) {
+            std::string names;
+            for (std::size_t i = 0; list && i < list->size(); ++i)
+                if (const toml::table* entry = (*list)[i].as_table())
+                    names += (names.empty() ? "\"" : ", \"") + (*entry)[name].value_or(std::string()) + "\"";
             throw InputError("--set " + change + ": there is no [[" + section + "]] called \"" + which +
-                             "\" in the site file");
+                             "\" in the site file, " + (names.empty() ? "which has none" : "only " + names));
+        }
     } else {
         if (!table.contains(section)) table.insert_or_assign(section, toml::table{});
         targets.push_back(table[section].as_table());

@@ -322,8 +322,8 @@ TEST(BadInputsResult, WrongTypesNameKeyValueAndRange) {
           Case{"soil = 3\n", "begin each soil with [[soil]]"}, Case{"[[soil]]\nfriction = 1\n", "has no name"},
           Case{"[[soil]]\nname = 'a'\n[[soil]]\nname = 'a'\n", "two soils are called \"a\""},
           Case{"[[soil]]\nname = 'a'\nrestitution = 2\n",
-               "site.toml:3: soil.restitution = 2 is not allowed: give a number from 0 to 1"},
-          Case{"[[soil]]\nname = 'a'\nmu = 2\n", "site.toml:3: [[soil]] has no key mu"},
+               "site.toml:3, soil \"a\": soil.restitution = 2 is not allowed: give a number from 0 to 1"},
+          Case{"[[soil]]\nname = 'a'\nmu = 2\n", "site.toml:3, soil \"a\": [[soil]] has no key mu"},
           Case{"[terain]\ndtm = 'a'\n", "site.toml:1: the section [terain] is unknown; did you mean [terrain]?"},
           Case{"[[effect]]\nkind = 'forest'\n", "there is no effect"}}) {
         put(folder / "site.toml", c.line);
