@@ -238,7 +238,8 @@ private:
 
 // What is learned about the heights while they are read.
 struct HeightCensus {
-    std::size_t valid = 0, zeros = 0, infinite = 0, outside = 0;
+    std::size_t valid = 0, zeros = 0, infinite = 0, outside = 0,
+                like_first = 0;                                         // like_first: outside, of the first such value
     double min = kInfinity, max = -kInfinity, min_nonzero = kInfinity;  // [m]
     bool integral = true;
     double bad_value = 0;                                                    // first infinite or outside value [m]
@@ -249,6 +250,7 @@ struct HeightCensus {
         const bool is_infinite = std::isinf(z), is_outside = z < settings.lowest_height || z > settings.highest_height;
         if (is_infinite || is_outside) {
             if (infinite + outside == 0) bad_value = z, bad_row = row, bad_column = column;
+            like_first += z == bad_value;
             infinite += is_infinite;
             outside += !is_infinite;
             return;
@@ -277,6 +279,12 @@ void check_heights(const HeightCensus& census, const std::string& file, const Dt
                                "; set them to nodata, for example with gdal_calc.py "
                                "--calc=\"where(isinf(A),-9999,A)\" --NoDataValue=-9999."));
         }
+        if (2 * census.like_first < count)
+            refuse(file,
+                   words("has ", counted(count, "cell"), " with heights outside of [", settings.lowest_height, ", ",
+                         settings.highest_height, "] m, ", value, " m ", at(census.bad_column, census.bad_row),
+                         " and many others: are they in centimetres or feet? Bring them to metres, for example "
+                         "with gdal_translate -ot Float32 -scale 0 100 0 1 in.tif out.tif."));
         const bool sentinel = std::any_of(kSentinels.begin(), kSentinels.end(),
                                           [&](double s) { return std::abs(value - s) <= 1e-6 * std::abs(s); });
         refuse(

@@ -108,6 +108,13 @@ TEST(DtmReader, UntaggedNodataIsRefusedWithTheCure) {
     EXPECT_THAT(error_of(with_cell(kInfinity)), AllOf(HasSubstr("infinity"), HasSubstr("column 4, row 5")));
 }
 
+TEST(DtmReader, HeightsInCentimetresAreNoNodata) {
+    RasterSpec spec;
+    spec.value = [](int c, int r) { return 115000.0 + 10.0 * c + 7.0 * r; };
+    EXPECT_THAT(error_of(spec),
+                AllOf(HasSubstr("centimetres or feet"), HasSubstr("-scale"), Not(HasSubstr("-a_nodata"))));
+}
+
 TEST(DtmReader, ScaleAndOffsetAreApplied) {
     RasterSpec spec;
     spec.type = "Int16";
