@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "cli/compare_figures.hpp"
 #include "cli/plot.hpp"
+#include "cli/text.hpp"
 #include "gis/relief.hpp"
 
 #include <algorithm>
@@ -39,7 +40,7 @@ SvgText label(double size, const char* anchor) {
 /// Where blocks came to rest, and how many of all did not.
 struct SimulatedStops {
     std::vector<Vec2> at_rest;
-    std::size_t others = 0;
+    std::int64_t others = 0;
 };
 SimulatedStops simulated_stops(const CampaignResult& campaign) {
     SimulatedStops stops;
@@ -51,12 +52,6 @@ SimulatedStops simulated_stops(const CampaignResult& campaign) {
             ++stops.others;
     }
     return stops;
-}
-
-std::string share_text(std::size_t some, std::size_t all) {
-    return gis::axis_number(
-               std::max(0.1, std::round(1000.0 * static_cast<double>(some) / static_cast<double>(all)) / 10.0), 0.1) +
-           " %";
 }
 
 Box2 shown(const SiteModel& model, const ObservedSite& observed, const std::vector<Vec2>& stops) {
@@ -89,7 +84,7 @@ double draw_density(Svg& svg, const SvgPanel& panel, const SimulatedStops& stops
         ++counts[{static_cast<int>(std::floor(at.x())), static_cast<int>(std::floor(at.y()))}];
     }
     for (const auto& [at, count] : counts) {
-        const double share = count / static_cast<double>(stops.at_rest.size() + stops.others);
+        const double share = count / static_cast<double>(std::ssize(stops.at_rest) + stops.others);
         const char* colour = kClasses[0].colour;
         for (const DensityClass& c : kClasses)
             if (share >= c.share) colour = c.colour;
@@ -234,7 +229,7 @@ Figure compare_map(const CompareStudy& study, const SiteModel& model, const Obse
             std::string(observed.observations.stops.empty() ? "Density of the simulated stops"
                                                             : "Measured stops over the density of the simulated ones") +
                 (stops.others == 0 ? ""
-                                   : " (" + share_text(stops.others, stops.at_rest.size() + stops.others) +
+                                   : " (" + percent(stops.others, stops.others + std::ssize(stops.at_rest)) +
                                          " of the blocks did not come to rest on the terrain: not drawn)") +
                 ". Dotted: the axis along which distance counts, " + observed.axis_text + ".",
             svg.text()};

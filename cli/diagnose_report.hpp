@@ -15,8 +15,6 @@ namespace scree::cli {
 std::string verdict_sentence(const DiagnoseStudy& study);
 /// Where the calibrated model and the measurements disagree, beyond chance even for so many looks; a sentence each, worst first.
 std::vector<std::string> where_sentences(const DiagnoseStudy& study);
-/// Of what has no name: whether it holds blocks back, in which phase, and how that grows with speed and mass and where; empty unless forces were tried.
-std::vector<std::string> force_sentences(const DiagnoseStudy& study);
 /// What a reader must know before using the answer, a sentence each.
 std::vector<std::string> diagnose_remarks(const DiagnoseStudy& study);
 

@@ -160,6 +160,7 @@ private:
     /// The effects at the strengths that are the last parameters of a point.
     std::vector<Effect> dosed(const std::vector<AnsweredEffect>& effects, const CalibrationPoint& point) const {
         std::vector<Effect> all;
+        if (effects.empty()) return all;
         const SiteFile site = test_.site_at(without_strengths(point, effects.size()));
         const std::size_t first = point.values.size() - effects.size();
         for (std::size_t k = 0; k < effects.size(); ++k)

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // What has no name, told as a force: the laws of the forces, and what is said of their z.
-#include "cli/diagnose_report.hpp"
+#include "cli/diagnose_force.hpp"
 #include "cli/program.hpp"
 #include "cli/site_file.hpp"
 #include "cli/site_model.hpp"

@@ -313,6 +313,19 @@ TEST(Diagnosis, RefusesATestOfWhichTooLittleIsKnown) {
     EXPECT_THROW(diagnosis_of(blocks, problem_for(blocks, all_effects()), table, 1), InputError);
 }
 
+// The order of a test is what somebody wrote down, never that of the rows.
+TEST(Diagnosis, LooksForTheCourseOfATestWhereItsOrderIsKnown) {
+    auto blocks = blocks_of_test();
+    const auto trends = [&] {
+        const Diagnosis d = diagnosis_of(blocks, problem_for(blocks, all_effects()), measured(blocks, 3, {}), 3);
+        return std::count_if(d.residuals.begin(), d.residuals.end(),
+                             [](const Residual& r) { return r.kind == ResidualKind::OrderTrend; });
+    };
+    EXPECT_EQ(trends(), 0);
+    for (std::size_t i = 0; i < kBlocks; ++i) blocks[i].order = static_cast<double>(i + 1);
+    EXPECT_EQ(trends(), 3) << "of the stop and of both speeds";
+}
+
 TEST(Diagnosis, StopsWhereTheSimulationIsStopped) {
     const auto blocks = blocks_of_test();
     int left = 3;

@@ -1,0 +1,89 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "cli/diagnose_force.hpp"
+
+#include "cli/text.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+namespace scree::cli {
+
+namespace {
+
+constexpr double kForceSeen = 2.0;  // z of a force that explains anything [-]
+constexpr double kForceTold = 4.0;  // by which the square of a z is larger where two ways of a force are told apart [-]
+
+/// One way of a force, with the z of its fingerprint.
+struct ForceWay {
+    std::string words;
+    double z = 0.0;
+};
+
+/// "while they touch the ground (z = 5.1; all the way: 3.2)", or the first two with "or" where the data do not tell them apart.
+std::string best_of(std::vector<ForceWay> ways, double sign) {
+    std::stable_sort(ways.begin(), ways.end(),
+                     [&](const ForceWay& a, const ForceWay& b) { return sign * a.z > sign * b.z; });
+    const auto gain = [&](const ForceWay& w) { return sign * w.z > 0.0 ? w.z * w.z : 0.0; };
+    std::string text = ways.front().words, others;
+    std::size_t like = 1;
+    while (like < ways.size() && gain(ways.front()) - gain(ways[like]) < kForceTold)
+        text += " or " + ways[like++].words;
+    for (std::size_t k = 1; k < ways.size(); ++k)
+        others += "; " + ways[k].words + ": " + short_number(sign * ways[k].z);
+    return text + " (z = " + short_number(sign * ways.front().z) + others + ")";
+}
+
+/// z of all ways of a force, those of candidates that were not tried empty.
+std::vector<double> force_z(const DiagnoseStudy& study, const std::string& name) {
+    std::vector<double> z;
+    Eigen::Index at = 0;
+    for (const DiagnosisCandidate& c : study.forces.candidates)
+        for (std::size_t v = 0; v < c.variants.size(); ++v, ++at)
+            if (c.name == name) z.push_back(study.by_force.score.z[at]);
+    return z;
+}
+
+}  // namespace
+
+std::vector<std::string> force_sentences(const DiagnoseStudy& study) {
+    if (study.by_force.score.z.size() == 0) return {};
+    const std::vector<double> contact = force_z(study, kForceNames[0]), all = force_z(study, kForceNames[1]),
+                              bounces = force_z(study, kForceNames[2]), stretches = force_z(study, kForceNames[3]);
+    const std::size_t masses = contact.size() / kSpeedPowers.size();
+    const auto largest = [](double a, double b) { return std::abs(a) < std::abs(b); };
+    const double of_contact = *std::max_element(contact.begin(), contact.end(), largest);
+    std::vector<ForceWay> phases{{"while they touch the ground", of_contact},
+                                 {"all the way, in flight as well", all.front()}};
+    if (!bounces.empty()) phases.push_back({"in bounces, which are weaker or stronger", bounces.front()});
+    const double best =
+        std::max_element(phases.begin(), phases.end(), [&](auto& a, auto& b) { return largest(a.z, b.z); })->z;
+    if (std::abs(best) < kForceSeen)
+        return {"no force along the motion explains it, in whatever phase (z of at most " +
+                short_number(std::abs(best)) + ")"};
+    const double sign = best > 0.0 ? 1.0 : -1.0;
+    std::vector<std::string> sentences{std::string("blocks behave as if they were held back ") +
+                                       (sign > 0.0 ? "more" : "less") + " than in the model " + best_of(phases, sign)};
+    if (!(sign * of_contact > kForceSeen)) return sentences;
+    std::vector<ForceWay> speeds, of_masses;
+    std::size_t power = 0;
+    for (std::size_t k = 0; k < kSpeedPowers.size(); ++k) {
+        speeds.push_back({"speed^" + short_number(kSpeedPowers[k]), contact[k * masses]});
+        if (sign * contact[k * masses] > sign * contact[power * masses]) power = k;
+    }
+    sentences.push_back("while they touch the ground it grows with " + best_of(speeds, sign));
+    const std::array<const char*, kMassPowers.size()> words{"alike for all masses", "more for light blocks",
+                                                            "more for heavy blocks"};
+    for (std::size_t k = 0; k < masses; ++k) of_masses.push_back({words[k], contact[power * masses + k]});
+    if (masses > 1) sentences.push_back("it is " + best_of(of_masses, sign));
+    if (stretches.empty()) return sentences;
+    std::vector<ForceWay> places{{"all along the path", contact[masses]}};
+    for (std::size_t k = 0; k < stretches.size(); ++k) {
+        const DiagnosisVariant& v = study.forces.candidates.back().variants[k];
+        places.push_back({"from " + short_number(v.from) + " to " + short_number(v.to) + " m", stretches[k]});
+    }
+    sentences.push_back("it acts " + best_of(places, sign));
+    return sentences;
+}
+
+}  // namespace scree::cli
