@@ -127,7 +127,7 @@ void add_options(CLI::App& sub, const Command& command, Context& context) {
         sub.add_flag(
             "--plan", context.plan,
             "Nothing is measured yet: what a test of release.count blocks, such as --set release.count=50, with "
-            "these instruments could see");
+            "these instruments could see, and what to measure in addition");
         sub.add_option("--instruments", context.instruments,
                        "With --plan, what would be measured of each block: stops, and at the screens speed, height, "
                        "spin (default stops,speed)")

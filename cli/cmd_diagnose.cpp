@@ -1,13 +1,16 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "cli/campaign_layers.hpp"
 #include "cli/commands.hpp"
+#include "cli/diagnose_consequences.hpp"
 #include "cli/diagnose_report.hpp"
+#include "cli/diagnose_where.hpp"
 #include "cli/progress.hpp"
 #include "cli/settings.hpp"
 #include "gis/results_writer.hpp"
 #include "scree/base/error.hpp"
 #include "scree/inference/residual_space.hpp"
 
+#include <algorithm>
 #include <memory>
 #include <ostream>
 #include <sstream>
@@ -92,6 +95,17 @@ gis::VectorLayer zone_layer(const DiagnosisVariant& variant, std::size_t effect)
     return layer;
 }
 
+/// The reach probability of a 3D campaign as a raster.
+void add_reach(gis::ResultsPackage& package, const SiteModel& model, const CampaignResult& campaign,
+               const std::string& of) {
+    for (gis::RasterLayer& layer : campaign_rasters(model, campaign)) {
+        if (layer.name != "reach_probability") continue;
+        layer.name += "_" + of;
+        layer.title += ", " + of;
+        package.rasters.push_back(std::move(layer));
+    }
+}
+
 gis::ResultsPackage results_of(const DiagnoseStudy& study, const SiteModel& model, const ObservedSite& observed,
                                const fs::path& folder) {
     gis::ResultsPackage package;
@@ -107,7 +121,15 @@ gis::ResultsPackage results_of(const DiagnoseStudy& study, const SiteModel& mode
     if (package.vectors.empty()) package.vectors.push_back(input_layer(model.release, "release", "Release", "Inputs"));
     package.provenance = {{"program", "scree " + version()}, {"site", study.site.settings.name}};
     for (const std::string& line : study.inputs) package.provenance.push_back({"input", line});
-    const std::vector<Figure> figures = diagnose_figures(study);
+    std::vector<Figure> told = diagnose_figures(study);
+    if (auto along = where_along_path(study, model, observed))
+        told.insert(told.begin() + std::min<std::ptrdiff_t>(1, std::ssize(told)), std::move(*along));
+    const std::vector<Figure> consequences = consequence_figures(study, model, observed);
+    told.insert(told.end(), consequences.begin(), consequences.end());
+    const std::vector<Figure>& figures = told;
+    if (judged && !model.in_plane()) add_reach(package, model, study.campaign, "calibrated");
+    if (!consequences.empty() && !model.in_plane())
+        add_reach(package, model, study.answers.front().campaign, "extended");
     const auto chosen = [&](const CompareStudy& of, const CampaignResult& campaign, const char* prefix) {
         std::vector<Figure> list;
         for (Figure& f : compare_figures(of, model, observed, campaign))

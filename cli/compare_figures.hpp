@@ -25,4 +25,8 @@ std::vector<Figure> compare_figures(const CompareStudy& study, const SiteModel& 
 Figure compare_map(const CompareStudy& study, const SiteModel& model, const ObservedSite& observed,
                    const CampaignResult& campaign);
 
+/// Reach probability of a 3D campaign that recorded passages.
+Figure reach_map(const std::string& title, const SiteModel& model, const ObservedSite& observed,
+                 const CampaignResult& campaign);
+
 }  // namespace scree::cli

@@ -8,6 +8,7 @@
 #include <array>
 #include <cmath>
 #include <map>
+#include <span>
 
 namespace scree::cli {
 
@@ -23,13 +24,22 @@ constexpr double kLeft = 104.0, kTop = 54.0, kRight = 20.0, kBottom = 56.0;  // 
 constexpr const char* kReleaseColour = "#127a33";
 constexpr double kMargin = 0.06;     // of the extent, around what is shown [-]
 constexpr double kCellsAcross = 90;  // density cells over the map's longer side [-]
-/// Classes of density: share of the simulated blocks per cell from which on, and colour.
-struct DensityClass {
+/// Classes of shares of the simulated blocks per cell: from which share on, and colour.
+struct ShareClass {
     double share;
     const char* colour;
 };
-constexpr std::array<DensityClass, 5> kClasses{
+constexpr std::array<ShareClass, 5> kDensityClasses{
     {{0.0, "#fff1c9"}, {0.0005, "#fed58a"}, {0.002, "#fba04f"}, {0.005, "#ea6428"}, {0.01, "#b0300c"}}};
+constexpr std::array<ShareClass, 6> kReachClasses{
+    {{0.0, "#fff1c9"}, {0.01, "#fed58a"}, {0.05, "#fba04f"}, {0.1, "#ea6428"}, {0.25, "#b0300c"}, {0.5, "#6b0f0f"}}};
+/// Cells of a map with their shares.
+struct ShareCells {
+    std::string what;  ///< "simulated stops"
+    std::span<const ShareClass> classes;
+    double cell = 0.0;                           ///< [m]
+    std::vector<std::pair<Vec2, double>> cells;  ///< south-west corner, share
+};
 
 SvgText label(double size, const char* anchor) {
     SvgText text = words(size, anchor);
@@ -74,25 +84,42 @@ Box2 shown(const SiteModel& model, const ObservedSite& observed, const std::vect
     return {box.min.cwiseMax(terrain.min), box.max.cwiseMin(terrain.max)};
 }
 
-/// Shares of the blocks per cell, as rectangles of their class.
-double draw_density(Svg& svg, const SvgPanel& panel, const SimulatedStops& stops, double least_cell) {
-    const Vec2 extent = panel.data.max - panel.data.min;
-    const double cell = std::max(least_cell, gis::round_step(extent.maxCoeff() / kCellsAcross, 1));
+ShareCells density_cells(const Box2& box, const SimulatedStops& stops, double least_cell) {
+    const double cell = std::max(least_cell, gis::round_step((box.max - box.min).maxCoeff() / kCellsAcross, 1));
     std::map<std::pair<int, int>, int> counts;
     for (const Vec2& p : stops.at_rest) {
-        const Vec2 at = (p - panel.data.min) / cell;
+        const Vec2 at = (p - box.min) / cell;
         ++counts[{static_cast<int>(std::floor(at.x())), static_cast<int>(std::floor(at.y()))}];
     }
-    for (const auto& [at, count] : counts) {
-        const double share = count / static_cast<double>(std::ssize(stops.at_rest) + stops.others);
-        const char* colour = kClasses[0].colour;
-        for (const DensityClass& c : kClasses)
+    ShareCells density{"simulated stops", kDensityClasses, cell, {}};
+    for (const auto& [at, count] : counts)
+        density.cells.emplace_back(box.min + cell * Vec2(at.first, at.second),
+                                   count / static_cast<double>(std::ssize(stops.at_rest) + stops.others));
+    return density;
+}
+
+ShareCells reach_cells(const SiteModel& model, const CampaignResult& campaign) {
+    const GridShape& grid = model.campaign.result_cells;
+    const double released = static_cast<double>(std::max<std::int64_t>(campaign.released, 1));
+    std::map<std::size_t, double> shares;  // in a fixed order
+    for (const auto& [cell, statistics] : campaign.cells)
+        if (statistics.passages > 0) shares[cell] = static_cast<double>(statistics.passages) / released;
+    ShareCells reach{"reach probability", kReachClasses, grid.cell, {}};
+    const auto columns = static_cast<std::size_t>(grid.columns);
+    for (const auto& [cell, share] : shares)
+        reach.cells.emplace_back(grid.origin + grid.cell * Vec2(cell % columns, cell / columns), share);
+    return reach;
+}
+
+/// Rectangles of their classes.
+void draw_cells(Svg& svg, const SvgPanel& panel, const ShareCells& shares) {
+    for (const auto& [corner, share] : shares.cells) {
+        const char* colour = shares.classes.front().colour;
+        for (const ShareClass& c : shares.classes)
             if (share >= c.share) colour = c.colour;
-        const Vec2 corner = panel.data.min + cell * Vec2(at.first, at.second);
-        svg.box({panel.at({corner.x(), corner.y() + cell}), panel.at({corner.x() + cell, corner.y()})},
+        svg.box({panel.at({corner.x(), corner.y() + shares.cell}), panel.at({corner.x() + shares.cell, corner.y()})},
                 fill(colour, 0.8));
     }
-    return cell;
 }
 
 /// The northernmost point of a line inside a box, of those a step apart; NaN if none is.
@@ -171,13 +198,13 @@ void draw_scale(Svg& svg, const SvgPanel& panel) {
     svg.text(0.5 * (from + to) + Vec2(0.0, -7.0), gis::axis_number(length, length) + " m", label(12.0, "middle"));
 }
 
-void draw_class_legend(Svg& svg, Vec2 at, double cell) {
+void draw_class_legend(Svg& svg, Vec2 at, const ShareCells& shares) {
     const SvgText plain = words(11.5, "start");
-    const std::string head =
-        "simulated stops per cell of " + gis::axis_number(cell, cell < 1.0 ? 0.1 : 1.0) + " m, share of the blocks:";
+    const std::string head = shares.what + " per cell of " +
+                             gis::axis_number(shares.cell, shares.cell < 1.0 ? 0.1 : 1.0) + " m, share of the blocks:";
     svg.text(at, head, plain);
     at.x() += text_width(head, 11.5) + 12.0;
-    for (const DensityClass& c : kClasses) {
+    for (const ShareClass& c : shares.classes) {
         svg.box({at + Vec2(0.0, -10.0), at + Vec2(16.0, 1.0)}, fill(c.colour));
         const std::string from = c.share == 0.0 ? "> 0" : gis::axis_number(100.0 * c.share, 0.01) + " %";
         svg.text(at + Vec2(20.0, 0.0), from, plain);
@@ -185,12 +212,9 @@ void draw_class_legend(Svg& svg, Vec2 at, double cell) {
     }
 }
 
-}  // namespace
-
-Figure compare_map(const CompareStudy& study, const SiteModel& model, const ObservedSite& observed,
-                   const CampaignResult& campaign) {
-    const SimulatedStops stops = simulated_stops(campaign);
-    const Box2 box = shown(model, observed, stops.at_rest);
+/// The terrain inside the box with these cells, release, screens, axis and measured stops.
+std::string drawn_map(const std::string& title, const SiteModel& model, const ObservedSite& observed, const Box2& box,
+                      const ShareCells& shares) {
     const Vec2 extent = box.max - box.min;
     const double scale = std::min(kMapWidth / extent.x(), kMostHeight / extent.y());
     const Vec2 size = scale * extent;
@@ -203,7 +227,7 @@ Figure compare_map(const CompareStudy& study, const SiteModel& model, const Obse
         svg.image({panel.at({relief.extent.min.x(), relief.extent.max.y()}),
                    panel.at({relief.extent.max.x(), relief.extent.min.y()})},
                   relief.uri);
-    const double cell = draw_density(svg, panel, stops, model.terrain.data.grid.shape.cell);
+    draw_cells(svg, panel, shares);
     draw_places(svg, panel, model, observed);
     draw_measured(svg, panel, observed);
     draw_scale(svg, panel);
@@ -217,22 +241,40 @@ Figure compare_map(const CompareStudy& study, const SiteModel& model, const Obse
     axes.most_x = 7;
     axes.most_y = 7;
     draw_axes(svg, panel, axes);
-    svg.text({12.0, 20.0}, study.title, words(13.5, "start", true));
+    svg.text({12.0, 20.0}, title, words(13.5, "start", true));
     Vec2 at(kLeft + 200.0, 20.0);
-    at.x() = std::max(at.x(), 30.0 + text_width(study.title, 14.5));
+    at.x() = std::max(at.x(), 30.0 + text_width(title, 14.5));
     if (!observed.observations.stops.empty())
         at.x() += draw_legend(svg, at, LegendMark::Dot, kMeasuredColour, "measured stops");
     at.x() += draw_legend(svg, at, LegendMark::Line, kReleaseColour, "release");
     if (!model.campaign.screens.empty()) draw_legend(svg, at, LegendMark::Line, "#5a2d91", "screens");
-    draw_class_legend(svg, {12.0, 42.0}, cell);
-    return {"map.svg", "Map",
-            std::string(observed.observations.stops.empty() ? "Density of the simulated stops"
-                                                            : "Measured stops over the density of the simulated ones") +
-                (stops.others == 0 ? ""
-                                   : " (" + percent(stops.others, stops.others + std::ssize(stops.at_rest)) +
-                                         " of the blocks did not come to rest on the terrain: not drawn)") +
-                ". Dotted: the axis along which distance counts, " + observed.axis_text + ".",
-            svg.text()};
+    draw_class_legend(svg, {12.0, 42.0}, shares);
+    return svg.text();
+}
+
+}  // namespace
+
+Figure compare_map(const CompareStudy& study, const SiteModel& model, const ObservedSite& observed,
+                   const CampaignResult& campaign) {
+    const SimulatedStops stops = simulated_stops(campaign);
+    const Box2 box = shown(model, observed, stops.at_rest);
+    return {
+        "map.svg", "Map",
+        std::string(observed.observations.stops.empty() ? "Density of the simulated stops"
+                                                        : "Measured stops over the density of the simulated ones") +
+            (stops.others == 0 ? ""
+                               : " (" + percent(stops.others, stops.others + std::ssize(stops.at_rest)) +
+                                     " of the blocks did not come to rest on the terrain: not drawn)") +
+            ". Dotted: the axis along which distance counts, " + observed.axis_text + ".",
+        drawn_map(study.title, model, observed, box, density_cells(box, stops, model.terrain.data.grid.shape.cell))};
+}
+
+Figure reach_map(const std::string& title, const SiteModel& model, const ObservedSite& observed,
+                 const CampaignResult& campaign) {
+    const Box2 box = shown(model, observed, simulated_stops(campaign).at_rest);
+    return {"reach.svg", "Reach probability, " + title,
+            "Share of the measured blocks, thrown again and again, that cross a cell.",
+            drawn_map(title, model, observed, box, reach_cells(model, campaign))};
 }
 
 }  // namespace scree::cli

@@ -82,7 +82,9 @@ std::vector<std::string> force_sentences(const DiagnoseStudy& study) {
         const DiagnosisVariant& v = study.forces.candidates.back().variants[k];
         places.push_back({"from " + short_number(v.from) + " to " + short_number(v.to) + " m", stretches[k]});
     }
-    sentences.push_back("it acts " + best_of(places, sign));
+    const bool told =
+        std::any_of(places.begin(), places.end(), [&](const ForceWay& w) { return sign * w.z >= kForceSeen; });
+    if (told) sentences.push_back("it acts " + best_of(places, sign));
     return sentences;
 }
 

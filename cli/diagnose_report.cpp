@@ -1,9 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "cli/diagnose_report.hpp"
 
+#include "cli/campaign_layers.hpp"
 #include "cli/commands.hpp"
 #include "cli/compare_report.hpp"
+#include "cli/diagnose_consequences.hpp"
 #include "cli/diagnose_force.hpp"
+#include "cli/diagnose_further.hpp"
 #include "cli/html.hpp"
 #include "cli/settings.hpp"
 #include "cli/text.hpp"
@@ -11,6 +14,7 @@
 #include <nlohmann/json.hpp>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numeric>
 #include <ostream>
@@ -24,8 +28,7 @@ using Json = nlohmann::ordered_json;
 namespace fs = std::filesystem;
 
 constexpr std::size_t kMostSentences = 8;
-constexpr double kSameLooks = 0.9;  // cosine of effects that look alike [-]
-constexpr double kInRange = 0.03;   // estimates nearer to an end of their range lie on its edge [-]
+constexpr double kInRange = 0.03;  // estimates nearer to an end of their range lie on its edge [-]
 
 const char* unit_of(const DiagnosisVariant& v) {
     return effect_parameter(v.kind, v.parameter).unit;
@@ -134,15 +137,10 @@ std::string smallest_seen(const DiagnoseStudy& study, const EffectFinding& f) {
 
 /// Effects that look like this one after a recalibration.
 std::string look_alikes(const DiagnoseStudy& study, const EffectFinding& f) {
-    std::string text;
-    for (const EffectFinding& other : study.diagnosis.findings) {
-        if (other.effect == f.effect) continue;
-        const double c =
-            study.diagnosis.cosines(static_cast<Eigen::Index>(f.effect), static_cast<Eigen::Index>(other.effect));
-        if (c >= kSameLooks && other.visibility > 1.0 && f.visibility > 1.0)
-            text += (text.empty() ? "" : ", ") + study.candidate_of(other).name;
-    }
-    return text;
+    std::vector<std::string> names;
+    for (const EffectFinding& other : study.diagnosis.findings)
+        if (look_alike(study.diagnosis, f, other)) names.push_back(study.candidate_of(other).name);
+    return listed(names);
 }
 
 /// What comes nearest without being an answer, and why it is none. Findings are ordered by weight.
@@ -241,12 +239,33 @@ void print_power(std::ostream& out, const DiagnoseStudy& study) {
         << " %, after recalibration:\n";
     for (const EffectFinding& f : study.diagnosis.findings) {
         const std::string alike = look_alikes(study, f);
-        out << "  " << padded(study.candidate_of(f).name, 24) << " from " << smallest_seen(study, f)
-            << (alike.empty() ? "" : "; looks like " + alike) << "\n";
+        out << "  " << padded(study.candidate_of(f).name, 24) << (std::isfinite(f.smallest_seen) ? " from " : " ")
+            << smallest_seen(study, f) << (alike.empty() ? "" : "; looks like " + alike) << "\n";
     }
+    const std::vector<FurtherRow> rows = further_rows(study);
+    if (rows.empty()) return;
+    std::size_t width = 28;
+    for (const FurtherRow& r : rows) width = std::max(width, r.name.size() + 2);
+    const std::string of = " of " + std::to_string(study.diagnosis.findings.size());
+    out << "\n" << padded("what to measure in addition", width + 2) << "seen at reference   pairs that look alike\n";
+    for (const FurtherRow& r : rows)
+        out << "  " << padded(r.name, width) << padded(std::to_string(r.seen) + of, 20) << r.alike
+            << (r.also.empty() ? "" : "   also seen: " + listed(r.also)) << "\n";
 }
 
 namespace {
+
+/// One value at a screen before and after.
+struct ChangedValue {
+    const char* name;  ///< in JSON
+    double before, after;
+};
+std::array<ChangedValue, 4> values_of(const ScreenChange& c) {
+    return {{{"passed_percent", 100.0 * c.before.passed, 100.0 * c.after.passed},
+             {"speed_p95_ms", c.before.speed, c.after.speed},
+             {"energy_p95_kj", c.before.energy / kJoulePerKj, c.after.energy / kJoulePerKj},
+             {"height_p95_m", c.before.height, c.after.height}}};
+}
 
 void print_answers(std::ostream& out, const DiagnoseStudy& study) {
     out << "\n" << padded("", 34) << "gap of what is fitted   held out   gap over all   weight\n";
@@ -263,6 +282,17 @@ void print_answers(std::ostream& out, const DiagnoseStudy& study) {
         if (const auto share = removable_gap_closed(study, a))
             out << "  closes " << short_number(100.0 * std::min(1.0, *share)) << " % of the removable held-out gap\n";
     }
+    const std::vector<ScreenChange> changes = changes_at_screens(study);
+    if (changes.empty()) return;
+    out << "\n"
+        << padded("what it changes, with 95 % values", 34) << padded("passed by [%]", 18) << padded("speed [m/s]", 18)
+        << padded("energy [kJ]", 18) << "height [m]\n";
+    for (const ScreenChange& c : changes) {
+        out << padded("  at " + c.screen, 34);
+        for (const ChangedValue& v : values_of(c))
+            out << padded(short_number(v.before) + " -> " + short_number(v.after), 18);
+        out << "\n";
+    }
 }
 
 }  // namespace
@@ -278,6 +308,9 @@ void print_diagnosis(std::ostream& out, const DiagnoseStudy& study) {
     if (!force.empty()) out << "\nwhat has no name, as a force (fingerprints, after recalibration):\n";
     for (const std::string& s : force) out << "  " << s << "\n";
     if (!study.answers.empty()) print_answers(out, study);
+    const std::vector<std::string> apart = telling_apart_sentences(study);
+    if (!apart.empty()) out << "\nwhat would tell them apart, if one of them is at work:\n";
+    for (const std::string& s : apart) out << "  " << s << "\n";
     if (study.verdict == Verdict::None && !study.diagnosis.findings.empty()) {
         out << "\n";
         print_power(out, study);
@@ -356,6 +389,14 @@ std::string diagnose_json(const DiagnoseStudy& study) {
     json["answer"] = Json::array();
     for (const AnswerFit& a : study.answers)
         for (const AnsweredEffect& e : a.effects) json["answer"].push_back(answer_json(study, a, e));
+    for (const ScreenChange& c : changes_at_screens(study)) {
+        Json row{{"screen", c.screen}};
+        for (const ChangedValue& v : values_of(c)) {
+            row["calibrated"][v.name] = v.before;
+            row["extended"][v.name] = v.after;
+        }
+        json["at_screens"].push_back(row);
+    }
     json["audit"] = Json::array();
     for (const Finding& f : study.audit)
         json["audit"].push_back({{"check", f.check},
@@ -370,6 +411,11 @@ std::string diagnose_json(const DiagnoseStudy& study) {
                 json["force"]["ways"].push_back(
                     {{"phase", c.name}, {"way", v.label}, {"z", study.by_force.score.z[at++]}});
     }
+    if (const std::vector<std::string> apart = telling_apart_sentences(study); !apart.empty())
+        json["would_tell_apart"] = apart;
+    for (const FurtherRow& r : further_rows(study))
+        json["in_addition"].push_back(
+            {{"test", r.name}, {"effects_seen_at_reference", r.seen}, {"pairs_alike", r.alike}, {"also_seen", r.also}});
     json["remarks"] = diagnose_remarks(study);
     if (!d.residuals.empty()) {
         json["global_test"] = {
@@ -455,17 +501,19 @@ std::string gaps_html(const DiagnoseStudy& study, const AnswerFit& a) {
     return html_table({"gap", "calibrated", "with " + a.name(), "chance"}, rows);
 }
 
-/// 95 % values of what a barrier is designed for.
-std::string consequences_html(const DiagnoseStudy& study, const AnswerFit& a) {
+std::string consequences_html(const DiagnoseStudy& study) {
     std::vector<std::vector<std::string>> rows;
-    for (std::size_t k = 0; k < study.before.observables.size() && k < a.study.observables.size(); ++k) {
-        const ComparedObservable &b = study.before.observables[k], &w = a.study.observables[k];
-        if (b.simulated_summary.quantiles.empty() || w.simulated_summary.quantiles.empty()) continue;
-        rows.push_back({b.gap.observable.name + " [" + b.unit + "]", short_number(b.simulated_summary.quantiles.back()),
-                        short_number(w.simulated_summary.quantiles.back()),
-                        b.measured_summary.quantiles.empty() ? "" : short_number(b.measured_summary.quantiles.back())});
+    for (const ScreenChange& c : changes_at_screens(study)) {
+        rows.push_back({c.screen});
+        for (const ChangedValue& v : values_of(c))
+            rows.back().insert(rows.back().end(), {short_number(v.before), short_number(v.after)});
     }
-    return html_table({"95 % value", "calibrated", "with " + a.name(), "measured"}, rows);
+    if (rows.empty()) return "";
+    return "<p>What it changes for the measured blocks at the screens: share that passes, and the 95 % values of those "
+           "that do.</p>\n" +
+           html_table({"screen", "passed [%], calibrated", "extended", "speed [m/s]", "extended", "energy [kJ]",
+                       "extended", "height [m]", "extended"},
+                      rows);
 }
 
 std::string effects_html(const DiagnoseStudy& study) {
@@ -476,6 +524,18 @@ std::string effects_html(const DiagnoseStudy& study) {
                         f.finalist ? weight_text(f.weight) : "", f.finalist ? p_text(f.p) : "", look_alikes(study, f)});
     return html_table({"effect", "form and place", "z", "z to expect at its reference", "seen in 4 of 5 tests from",
                        "weight", "p of what it leaves", "looks like"},
+                      rows);
+}
+
+std::string further_html(const DiagnoseStudy& study) {
+    std::vector<std::vector<std::string>> rows;
+    for (const FurtherRow& r : further_rows(study))
+        rows.push_back({r.name, std::to_string(r.seen) + " of " + std::to_string(study.diagnosis.findings.size()),
+                        std::to_string(r.alike), listed(r.also)});
+    if (rows.empty()) return "";
+    return "<h2>What to measure in addition</h2>\n" +
+           html_table({"test", "effects seen in 4 of 5 tests at their reference strength", "pairs that look alike",
+                       "also seen"},
                       rows);
 }
 
@@ -507,13 +567,17 @@ std::string diagnose_html(const DiagnoseStudy& study, const std::vector<Figure>&
                 "of the catalogue, after recalibration. Ways that the measurements do not tell apart are joined by "
                 "\"or\".</p>\n"
              << html_list(force);
+    if (const std::vector<std::string> apart = telling_apart_sentences(study); !apart.empty())
+        html << "<h2>What would tell them apart</h2>\n<p>If one of them is at work, with the strength found.</p>\n"
+             << html_list(apart);
+    if (study.planning) html << further_html(study);
     for (const Figure& f : figures) html << "<h2>" << escaped(f.title) << "</h2>\n" << html_figure(f);
     for (const AnswerFit& a : study.answers) {
         html << "<h2>With " << escaped(a.name()) << "</h2>\n";
         for (const AnsweredEffect& e : a.effects)
             html << "<p>" << escaped(variant_name(e.variant) + ": " + strength_text(e)) << ".</p>\n";
-        html << gaps_html(study, a) << "<p>What it changes for the measured blocks:</p>\n"
-             << consequences_html(study, a);
+        html << gaps_html(study, a);
+        if (&a == &study.answers.front()) html << consequences_html(study);
     }
     if (!study.diagnosis.findings.empty())
         html << "<h2>All effects that were searched</h2>\n" << effects_html(study) << kHow;

@@ -2,6 +2,7 @@
 #include "cli/diagnose_study.hpp"
 
 #include "cli/calibration_journal.hpp"
+#include "cli/further_instruments.hpp"
 #include "scree/base/error.hpp"
 #include "scree/inference/calibration_loss.hpp"
 
@@ -18,6 +19,8 @@ namespace {
 constexpr double kLeastStep = 0.03, kMostStep = 0.15, kPlannedStep = 0.08;
 /// 97.5 % quantile of the normal distribution [-].
 constexpr double kNinetyFive = 1.959964;
+/// Small differences between a few effects need so many times the simulations [-].
+constexpr std::int64_t kGroupRepeats = 4;
 /// A gap over all so many times the largest of 95 % of chance is far beyond it [-].
 constexpr double kFarBeyond = 2.0;
 
@@ -50,7 +53,7 @@ public:
         study_.before = compared(study_.baseline, {}, study_.campaign);
         if (study_.interrupted) return;
         study_.catalogue = make_candidates(test_.site_at(study_.baseline.point), in_.model, in_.observed);
-        study_.diagnosis = diagnose(problem(study_.baseline), measured(), study_.settings,
+        study_.diagnosis = diagnose(problem(study_.baseline, study_.catalogue), measured(), study_.settings,
                                     simulation(study_.baseline, study_.catalogue), reporter());
         study_.interrupted = study_.diagnosis.interrupted;
         study_.verdict = study_.diagnosis.verdict;
@@ -62,20 +65,64 @@ public:
         }
         if (!study_.interrupted) judge_refits(study_);
         if (!study_.interrupted && study_.verdict == Verdict::Unknown) try_forces();
+        if (!study_.interrupted && study_.verdict == Verdict::Group) try_instruments_on_group();
     }
 
     /// What has no name: when, where and for which blocks it acts, as forces tell whose fingerprints are held against what the model leaves.
     void try_forces() {
-        DiagnosisProblem p = problem(study_.baseline);
-        p.calibrated = study_.diagnosis.parameters;
-        CalibratedModel model = study_.baseline;
-        for (std::size_t k = 0; k < p.calibrated.size(); ++k)
-            model.point.values[k] = from_unit(study_.keys.problem.parameters[k], p.calibrated[k]);
+        const CalibratedModel model = tested_model();
         study_.forces = make_forces(test_.site_at(model.point), in_.model, in_.observed);
-        p.effects = study_.forces.for_core();
-        study_.by_force =
-            scree::plan_test(p, measured(), study_.settings, simulation(model, study_.forces), reporter());
+        study_.by_force = scree::plan_test(problem(model, study_.forces), measured(), study_.settings,
+                                           simulation(model, study_.forces), reporter());
         study_.interrupted = study_.by_force.interrupted;
+    }
+
+    /// What would tell the members of a group apart.
+    void try_instruments_on_group() {
+        DiagnosisCatalogue members;
+        for (const AnswerFit& a : study_.answers) {
+            members.candidates.push_back(*a.effects.front().candidate);
+            members.candidates.back().variants = {a.effects.front().variant};
+        }
+        std::vector<FurtherInstrument> instruments{{"the same instruments", {}}};
+        for (FurtherInstrument& i : further_instruments(in_.observed)) instruments.push_back(std::move(i));
+        DiagnosisSettings settings = study_.settings;
+        settings.repeats *= kGroupRepeats;
+        try_instruments(tested_model(), members, instruments, settings);
+    }
+
+    void try_instruments(const CalibratedModel& model, const DiagnosisCatalogue& catalogue,
+                         const std::vector<FurtherInstrument>& instruments, const DiagnosisSettings& settings) {
+        if (instruments.empty()) return;
+        const SiteFile site = test_.site_at(model.point);
+        const CampaignResult once = test_.run(site, study_.settings.seed, 1);
+        study_.interrupted = once.interrupted;
+        if (study_.interrupted) return;
+        const ObservedSite all = with_instruments(in_.observed, instruments, once, in_.site.settings.observed);
+        const ObservationTable would_be =
+            side_by_side(measured_table(all.observations, all.op), all.observations.thrown);
+        const DiagnosisSimulation simulated = simulation(model, catalogue, all, "with all instruments ");
+        for (const FurtherInstrument& instrument : instruments) {
+            Diagnosis plan = scree::plan_test(
+                problem(model, catalogue), with_one_instrument(would_be, in_.observed, instrument), settings,
+                [&](const DiagnosisTask& task) -> std::optional<ObservationTable> {
+                    auto table = simulated(task);
+                    if (table) table = with_one_instrument(*table, in_.observed, instrument);
+                    return table;
+                },
+                [&](const DiagnosisProgress& p) { in_.progress("with " + instrument.name, p.done, p.planned); });
+            study_.interrupted = plan.interrupted;
+            if (study_.interrupted) return;
+            study_.further.push_back({instrument.name, std::move(plan)});
+        }
+    }
+
+    /// The calibrated model, moved to where its residuals ask for.
+    CalibratedModel tested_model() const {
+        CalibratedModel model = study_.baseline;
+        for (std::size_t k = 0; k < model.point.values.size(); ++k)
+            model.point.values[k] = from_unit(study_.keys.problem.parameters[k], study_.diagnosis.parameters[k]);
+        return model;
     }
 
     void plan_test() {
@@ -84,9 +131,17 @@ public:
         for (const CalibrationChoice& c : study_.keys.problem.choices) as_given.point.levels.push_back(c.start);
         study_.baseline = as_given;
         study_.catalogue = make_candidates(test_.site_at(as_given.point), in_.model, in_.observed);
-        study_.diagnosis = scree::plan_test(problem(as_given), measured(), study_.settings,
+        study_.diagnosis = scree::plan_test(problem(as_given, study_.catalogue), measured(), study_.settings,
                                             simulation(as_given, study_.catalogue), reporter());
         study_.interrupted = study_.diagnosis.interrupted;
+        if (study_.interrupted) return;
+        DiagnosisCatalogue best;  // of every effect the variant that is seen first
+        for (const DiagnosisCandidate& c : study_.catalogue.candidates) best.candidates.push_back(c);
+        for (const EffectFinding& f : study_.diagnosis.findings)
+            best.candidates[f.effect].variants = {
+                study_.catalogue.candidates[f.effect]
+                    .variants[std::isfinite(f.smallest_seen) ? f.seen_variant : f.variant]};
+        try_instruments(as_given, best, further_instruments(in_.observed), study_.settings);
     }
 
 private:
@@ -99,7 +154,7 @@ private:
         return [this](const DiagnosisProgress& p) { in_.progress(p.stage, p.done, p.planned); };
     }
 
-    DiagnosisProblem problem(const CalibratedModel& model) const {
+    DiagnosisProblem problem(const CalibratedModel& model, const DiagnosisCatalogue& catalogue) const {
         DiagnosisProblem p;
         const auto& parameters = study_.keys.problem.parameters;
         for (std::size_t k = 0; k < parameters.size(); ++k) {
@@ -114,7 +169,7 @@ private:
             }
             p.step.push_back(std::isfinite(step) ? std::clamp(step, kLeastStep, kMostStep) : kPlannedStep);
         }
-        p.effects = study_.catalogue.for_core();
+        p.effects = catalogue.for_core();
         p.blocks = in_.observed.observations.matched ? in_.observed.observations.blocks : std::vector<ObservedBlock>{};
         return p;
     }
@@ -128,12 +183,17 @@ private:
         return effects;
     }
 
-    /// Whoever asks the same again gets it from disc.
     DiagnosisSimulation simulation(const CalibratedModel& model, const DiagnosisCatalogue& catalogue) const {
-        return [this, &catalogue,
+        return simulation(model, catalogue, in_.observed, "");
+    }
+    /// As `observed` would have measured it, which `how` says in words. Whoever asks the same again gets it from disc.
+    DiagnosisSimulation simulation(const CalibratedModel& model, const DiagnosisCatalogue& catalogue,
+                                   const ObservedSite& observed, const std::string& how) const {
+        return [this, &catalogue, &observed, how,
                 levels = model.point.levels](const DiagnosisTask& task) -> std::optional<ObservationTable> {
             std::ostringstream words;
             words.precision(17);
+            words << how;
             CalibrationPoint point{{}, levels};
             for (std::size_t k = 0; k < task.parameters.size(); ++k) {
                 point.values.push_back(from_unit(study_.keys.problem.parameters[k], task.parameters[k]));
@@ -151,7 +211,7 @@ private:
             const CampaignResult campaign = test_.run(site, task.seed, task.repeats, effects);
             if (campaign.interrupted) return std::nullopt;
             ObservationTable table =
-                simulated_table(campaign, in_.observed.observations, with_faults(in_.observed, effects).op, task.seed);
+                simulated_table(campaign, observed.observations, with_faults(observed, effects).op, task.seed);
             in_.store.keep(words.str(), table);
             return table;
         };
@@ -224,7 +284,8 @@ private:
                           CampaignResult& campaign) {
         const std::vector<Effect> acting = dosed(effects, model.result.best);
         const SiteFile site = test_.site_at(model.point);
-        campaign = test_.run(site, static_cast<std::uint64_t>(site.settings.seed), study_.search.final_repeats, acting);
+        campaign =
+            test_.run(site, static_cast<std::uint64_t>(site.settings.seed), study_.search.final_repeats, acting, true);
         study_.interrupted = campaign.interrupted;
         if (campaign.interrupted) return {};
         CompareStudy compared = make_study(site, in_.model, with_faults(in_.observed, acting), campaign);
@@ -321,6 +382,7 @@ void run_study(const DiagnoseInput& input, DiagnoseStudy& study) {
     study.audit = input.observed.findings;
     study.blocks = measured_blocks(input.observed.observations);
     study.screens = input.observed.op.screens;
+    study.screen_of = input.observed.op.screen_of;
     study.in_plane = input.model.in_plane();
     if (input.observed.has_errors()) {
         study.verdict = Verdict::DataProblem;
@@ -333,6 +395,7 @@ void plan_study(const DiagnoseInput& input, DiagnoseStudy& study) {
     study.planning = true;
     study.blocks = measured_blocks(input.observed.observations);
     study.screens = input.observed.op.screens;
+    study.screen_of = input.observed.op.screen_of;
     study.in_plane = input.model.in_plane();
     Runner(input, study).plan_test();
 }

@@ -41,6 +41,12 @@ struct AnswerFit {
     std::string name() const;  ///< "ground_drag and air_drag"
 };
 
+/// What the same test would tell with one more instrument: of a plan about the whole catalogue, of a group about its members.
+struct WithInstrument {
+    std::string name;
+    Diagnosis plan;  ///< findings and cosines
+};
+
 /// Everything that a diagnosis found; text, JSON, site file and pictures are made from it and from nothing else.
 struct DiagnoseStudy {
     SiteFile site;  ///< as it was given
@@ -49,6 +55,7 @@ struct DiagnoseStudy {
     DiagnosisSettings settings;
     DiagnosisCatalogue catalogue;
     std::vector<std::string> screens;
+    std::vector<std::int32_t> screen_of;  ///< of `screens`, of each screen of the site [-]
     std::vector<Finding> audit;
     std::vector<std::string> inputs;  ///< a line each
     std::size_t blocks = 0;           ///< measured [-]
@@ -62,7 +69,8 @@ struct DiagnoseStudy {
     Verdict verdict = Verdict::None;  ///< after the refits
     std::vector<AnswerFit> answers;   ///< refitted, best first
     DiagnosisCatalogue forces;        ///< without a name, tried where the verdict is UNKNOWN
-    Diagnosis by_force;   ///< z of each of their ways, in the order of candidates and variants; empty: not tried
+    Diagnosis by_force;  ///< z of each of their ways, in the order of candidates and variants; empty: not tried
+    std::vector<WithInstrument> further;  ///< of a plan or a group; of a group the first is the test as it was measured
     std::string demoted;  ///< why the verdict is weaker than the diagnosis alone has it; empty: it is not
     bool interrupted = false;
 

@@ -14,12 +14,12 @@ FieldTest::FieldTest(const SiteFile& site, const SiteModel& model, const Observe
     : site_(site), observed_(observed), keys_(keys), input_(model.campaign) {
     input_.threads = threads;
     input_.kept_trajectories = 0;
-    input_.passages = false;
 }
 
 CampaignResult FieldTest::run(const SiteFile& candidate, std::uint64_t seed, std::int64_t repeats,
-                              std::span<const Effect> more) const {
+                              std::span<const Effect> more, bool passages) const {
     CampaignInput input = input_;
+    input.passages = passages;
     SiteFile site = candidate;
     site.settings.observed.repeats = repeats;
     apply_parameters(site, input);

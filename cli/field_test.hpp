@@ -15,9 +15,10 @@ public:
               int threads);
 
     SiteFile site_at(const CalibrationPoint& point) const { return with_changes(site_, keys_.changes(point)); }
-    /// Throws every measured block `repeats` times. `more`: effects beside those of the site. Interrupted by Ctrl-C.
+    /// Throws every measured block `repeats` times. `more`: effects beside those of the site. `passages`: statistics of the cells, too. Interrupted by
+    /// Ctrl-C.
     CampaignResult run(const SiteFile& candidate, std::uint64_t seed, std::int64_t repeats,
-                       std::span<const Effect> more = {}) const;
+                       std::span<const Effect> more = {}, bool passages = false) const;
 
 private:
     const SiteFile& site_;

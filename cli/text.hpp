@@ -5,6 +5,7 @@
 
 #include <cstdint>
 #include <string>
+#include <vector>
 
 namespace scree::cli {
 
@@ -25,5 +26,8 @@ std::string p_text(double p);
 
 /// A column of a table, filled up with spaces.
 std::string padded(std::string text, std::size_t width);
+
+/// "A, B, C".
+std::string listed(const std::vector<std::string>& names);
 
 }  // namespace scree::cli

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // What has no name, told as a force: the laws of the forces, and what is said of their z.
 #include "cli/diagnose_force.hpp"
+
 #include "cli/program.hpp"
 #include "cli/site_file.hpp"
 #include "cli/site_model.hpp"
@@ -103,8 +104,8 @@ TEST(DiagnoseForce, SaysPhaseSpeedMassAndPlace) {
 }
 
 TEST(DiagnoseForce, SaysThatTheModelHoldsBackTooMuch) {
-    const auto said = force_sentences(tried({-5, -1, -1, -2, 0, 0, 0, 0, 0}, -1.0, {-1.0, -1.0}));
-    ASSERT_EQ(said.size(), 4U);
+    const auto said = force_sentences(tried({-5, -1, -1, -1, 0, 0, 0, 0, 0}, -1.0, {-1.0, -1.0}));
+    ASSERT_EQ(said.size(), 3U) << "no stretch explains anything: no place is said";
     EXPECT_THAT(said[0], HasSubstr("held back less than in the model while they touch the ground (z = 5"));
     EXPECT_THAT(said[1], HasSubstr("speed^0 (z = 5"));
 }

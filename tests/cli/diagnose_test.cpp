@@ -93,8 +93,10 @@ TEST(Diagnose, NamesAFaultOfTheMeasurementAndWritesAllOfIt) {
     EXPECT_GT(answer.at("removable_gap_closed").get<double>(), 0.5);
     EXPECT_LE(j.at("global_test").at("p").get<double>(), 0.05);
     for (const char* name : {"report.html", "site_extended.toml", "results.gpkg", "SHA256SUMS", "figures/where.svg",
-                             "figures/effects.svg", "figures/calibrated_overview.svg", "figures/extended_overview.svg"})
+                             "figures/where_along.svg", "figures/effects.svg", "figures/calibrated_overview.svg",
+                             "figures/extended_overview.svg"})
         EXPECT_TRUE(fs::exists(out / name)) << name;
+    EXPECT_FALSE(j.contains("at_screens")) << "a fault of the measurement moves no block";
     EXPECT_FALSE(fs::exists(folder / "out.journal")) << "it has done its work";
     for (const auto& [name, bytes] : contents_of(out)) {
         if (name == "site_extended.toml") continue;  // it leads to the inputs
@@ -109,7 +111,8 @@ TEST(Diagnose, NamesAFaultOfTheMeasurementAndWritesAllOfIt) {
         scree_program({"compare", (out / "site_extended.toml").string(), "--observed", observed.string(), "--output",
                        (folder / "compared").string(), "--set", "observed.repeats=8"});
     EXPECT_EQ(compared.code, 0) << compared.err;
-    for (const json& o : json::parse(text_of(folder / "compared" / "compare.json")).at("observables")) {
+    const json gaps = json::parse(text_of(folder / "compared" / "compare.json"));
+    for (const json& o : gaps.at("observables")) {
         if (o.at("name") != "speed at ES1-A") continue;
         EXPECT_LT(o.at("pooled").at("gap").get<double>(), 4.0);
     }
@@ -160,6 +163,16 @@ TEST(Diagnose, PlansATestBeforeAnythingIsMeasured) {
         diagnose(more, {"--plan", "--instruments", "stops,speed,height,spin", "--set", "release.count=20"});
     ASSERT_EQ(run.code, 0) << run.err;
     EXPECT_THAT(run.out, HasSubstr("what would be seen in 4 of 5 such tests"));
+    const auto additions = [](const fs::path& out) {
+        std::vector<std::string> tests;
+        const json j = json::parse(text_of(out / "diagnosis.json"));
+        for (const json& row : j.at("in_addition")) tests.push_back(row.at("test"));
+        return tests;
+    };
+    EXPECT_THAT(additions(few),
+                testing::ElementsAre("as planned", "with heights at the screens", "with spins at the screens",
+                                     "with heights and spins at the screens", "with twice as many blocks"));
+    EXPECT_THAT(additions(more), testing::ElementsAre("as planned", "with twice as many blocks"));
     const auto visibility = [](const fs::path& out, const char* effect) {
         const json j = json::parse(text_of(out / "diagnosis.json"));
         EXPECT_EQ(j.at("verdict"), "PLAN");

@@ -1,0 +1,165 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "cli/diagnose_consequences.hpp"
+
+#include "cli/campaign_layers.hpp"
+#include "cli/plot.hpp"
+#include "scree/inference/distance.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace scree::cli {
+
+namespace {
+
+using gis::Svg;
+using gis::SvgPanel;
+
+constexpr double kShare = 0.95;                                                           // [-]
+constexpr double kWidth = 760.0, kPanel = 170.0, kGap = 64.0, kLeft = 74.0, kTop = 56.0;  // [pixel]
+constexpr const char* kBeforeColour = "#8c8c8c";
+
+/// The answer of which the consequences are told; null if there is none.
+const AnswerFit* told(const DiagnoseStudy& study) {
+    if (study.planning || study.answers.empty() || study.verdict == Verdict::Unknown) return nullptr;
+    const AnswerFit& a = study.answers.front();
+    const bool of_blocks = std::any_of(a.effects.begin(), a.effects.end(),
+                                       [](const AnsweredEffect& e) { return !e.candidate->measurement; });
+    return of_blocks ? &a : nullptr;
+}
+
+std::vector<AtScreen> at_screens(const DiagnoseStudy& study, const CampaignResult& campaign) {
+    struct Passing {
+        std::int64_t last = -1;  ///< block that passed last: parts of a screen count as one
+        std::vector<double> speed, energy, height;
+    };
+    std::vector<Passing> passing(study.screens.size());
+    for (const ScreenCrossing& c : campaign.crossings) {
+        Passing& p = passing[static_cast<std::size_t>(study.screen_of[static_cast<std::size_t>(c.screen)])];
+        if (p.last == c.block) continue;
+        p.last = c.block;
+        p.speed.push_back(c.velocity.norm());
+        p.energy.push_back(c.energy);
+        p.height.push_back(c.height);
+    }
+    std::vector<AtScreen> all;
+    for (Passing& p : passing) {
+        AtScreen& s = all.emplace_back();
+        s.passed =
+            static_cast<double>(p.speed.size()) / static_cast<double>(std::max<std::int64_t>(campaign.released, 1));
+        if (p.speed.empty()) continue;
+        for (std::vector<double>* values : {&p.speed, &p.energy, &p.height}) std::sort(values->begin(), values->end());
+        s.speed = sample_quantile(p.speed, kShare);
+        s.energy = sample_quantile(p.energy, kShare);
+        s.height = sample_quantile(p.height, kShare);
+    }
+    return all;
+}
+
+/// A value of each cell along the profile with measurements, NaN where no block came.
+template <class Value>
+std::vector<double> along(const SiteModel& model, const CampaignResult& campaign, Value value) {
+    const CampaignInput& c = model.campaign;
+    std::vector<double> values(cells_along(c.tracks.front().profile, c.cell_along), kNaN);
+    for (const auto& [cell, statistics] : campaign.cells_along.front())
+        if (statistics.passages > 0) values[cell] = value(statistics);
+    return values;
+}
+
+struct Curves {
+    std::string title;
+    std::vector<double> before, after;
+};
+
+template <class Value>
+Curves curves(const std::string& title, const SiteModel& model, const CampaignResult& before,
+              const CampaignResult& after, Value value) {
+    return {title, along(model, before, value), along(model, after, value)};
+}
+
+void draw_curve(Svg& svg, const SvgPanel& panel, const std::vector<double>& values, double cell, const char* colour) {
+    std::vector<Vec2> line;
+    const auto draw = [&] {
+        if (line.size() > 1) svg.line(line, stroke(colour, 2.0));
+        line.clear();
+    };
+    for (std::size_t k = 0; k < values.size(); ++k) {
+        if (std::isfinite(values[k]))
+            line.push_back(panel.at({(static_cast<double>(k) + 0.5) * cell, values[k]}));
+        else
+            draw();
+    }
+    draw();
+}
+
+Figure along_profile(const DiagnoseStudy& study, const AnswerFit& answer, const SiteModel& model) {
+    const double released = static_cast<double>(std::max<std::int64_t>(answer.campaign.released, 1));
+    const auto high = [](CellQuantity quantity) {
+        return [q = static_cast<std::size_t>(quantity)](const CellStatistics& s) {
+            return kQuantities[q].factor * s.quantities[q].histogram.quantile(kShare);
+        };
+    };
+    std::vector<Curves> panels;
+    panels.push_back(
+        curves("Reach probability [%]", model, study.campaign, answer.campaign,
+               [&](const CellStatistics& s) { return 100.0 * static_cast<double>(s.passages) / released; }));
+    panels.push_back(
+        curves("Energy, 95 % [kJ]", model, study.campaign, answer.campaign, high(CellQuantity::KineticEnergy)));
+    panels.push_back(
+        curves("Passing height, 95 % [m]", model, study.campaign, answer.campaign, high(CellQuantity::PassingHeight)));
+    const double cell = model.campaign.cell_along, length = model.campaign.tracks.front().profile.length();
+    Svg svg(kLeft + kWidth + 24.0, kTop + static_cast<double>(panels.size()) * (kPanel + kGap));
+    for (std::size_t k = 0; k < panels.size(); ++k) {
+        const Curves& c = panels[k];
+        double most = 0.0;
+        for (const std::vector<double>* values : {&c.before, &c.after})
+            for (const double v : *values) most = std::isfinite(v) ? std::max(most, v) : most;
+        const double top = kTop + static_cast<double>(k) * (kPanel + kGap);
+        const SvgPanel panel{{{kLeft, top}, {kLeft + kWidth, top + kPanel}},
+                             {{0.0, 0.0}, {length, 1.05 * std::max(most, 1e-9)}}};
+        draw_x_axis(svg, panel, "Distance along the profile [m]", 12);
+        draw_y_axis(svg, panel, c.title, 5);
+        for (const ProfileTrack::Mark& mark : model.campaign.tracks.front().marks) {
+            svg.segment(panel.at({mark.s, panel.data.min.y()}), panel.at({mark.s, panel.data.max.y()}),
+                        stroke("#5a2d91", 1.2, "7 3"));
+            if (k == 0)
+                svg.text(panel.at({mark.s, panel.data.max.y()}) + Vec2(0.0, -4.0),
+                         model.campaign.screens[static_cast<std::size_t>(mark.screen)].name, words(11.0, "middle"));
+        }
+        draw_curve(svg, panel, c.before, cell, kBeforeColour);
+        draw_curve(svg, panel, c.after, cell, kSimulatedColour);
+        draw_frame(svg, panel);
+    }
+    Vec2 at(kLeft, 22.0);
+    at.x() += draw_legend(svg, at, LegendMark::Line, kBeforeColour, "calibrated model");
+    draw_legend(svg, at, LegendMark::Line, kSimulatedColour, "with " + answer.name());
+    return {"reach.svg", "What it changes along the profile",
+            "The measured blocks thrown again and again, with the calibrated model and with " + answer.name() +
+                ". Energies and heights: 95 % of the blocks that come by stay below.",
+            svg.text()};
+}
+
+}  // namespace
+
+std::vector<ScreenChange> changes_at_screens(const DiagnoseStudy& study) {
+    std::vector<ScreenChange> changes;
+    const AnswerFit* answer = told(study);
+    if (!answer) return changes;
+    const std::vector<AtScreen> before = at_screens(study, study.campaign), after = at_screens(study, answer->campaign);
+    for (std::size_t s = 0; s < study.screens.size(); ++s) changes.push_back({study.screens[s], before[s], after[s]});
+    return changes;
+}
+
+std::vector<Figure> consequence_figures(const DiagnoseStudy& study, const SiteModel& model,
+                                        const ObservedSite& observed) {
+    const AnswerFit* answer = told(study);
+    if (!answer) return {};
+    if (model.in_plane()) return {along_profile(study, *answer, model)};
+    std::vector<Figure> maps{reach_map("calibrated model", model, observed, study.campaign),
+                             reach_map("with " + answer->name(), model, observed, answer->campaign)};
+    maps[0].file = "reach_calibrated.svg";
+    maps[1].file = "reach_extended.svg";
+    return maps;
+}
+
+}  // namespace scree::cli

@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include "cli/compare_figures.hpp"
+#include "cli/diagnose_study.hpp"
+
+#include <string>
+#include <vector>
+
+namespace scree::cli {
+
+/// What a barrier at a screen is designed for, by one model; 95 % values of the blocks that pass, NaN where none does.
+struct AtScreen {
+    double passed = 0.0;   ///< share of the blocks [-]
+    double speed = kNaN;   ///< [m/s]
+    double energy = kNaN;  ///< kinetic, translation and rotation [J]
+    double height = kNaN;  ///< of the centre of mass above the terrain [m]
+};
+/// The same screen with the calibrated model, and with the answer.
+struct ScreenChange {
+    std::string screen;
+    AtScreen before, after;
+};
+/// Of the best answer that acts on blocks and not on measurements; empty if there is none.
+std::vector<ScreenChange> changes_at_screens(const DiagnoseStudy& study);
+
+/// How many blocks come how far, before and after: curves along the profile with energies and heights in 2D, maps in 3D.
+std::vector<Figure> consequence_figures(const DiagnoseStudy& study, const SiteModel& model,
+                                        const ObservedSite& observed);
+
+}  // namespace scree::cli

@@ -1,0 +1,93 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "cli/diagnose_further.hpp"
+
+#include "cli/text.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace scree::cli {
+
+namespace {
+
+/// z of the difference between two effects at which one of them has almost all the weight: the likelihoods differ by exp(9/2) [-].
+constexpr double kToldApart = 3.0;
+/// z beyond the limit at which four of five effects are seen: the 80 % quantile of the normal distribution [-].
+constexpr double kFourOfFive = 0.8416;
+/// Many times the blocks of the test: nobody would throw so many [-].
+constexpr double kMostGrowth = 20.0;
+
+double cosine(const Diagnosis& d, const EffectFinding& a, const EffectFinding& b) {
+    return d.cosines(static_cast<Eigen::Index>(a.effect), static_cast<Eigen::Index>(b.effect));
+}
+
+bool is_seen(const Diagnosis& d, const EffectFinding& f, double growth) {
+    return f.smallest_seen <= 1.0 || f.visibility * std::sqrt(growth) >= d.test.z_limit + kFourOfFive;
+}
+
+FurtherRow row_of(const std::string& name, const Diagnosis& d, double growth, const FurtherRow& planned,
+                  const std::vector<std::string>& names, std::vector<std::string>& seen) {
+    FurtherRow row{name, 0, 0, {}};
+    seen.clear();
+    for (const EffectFinding& f : d.findings)
+        if (is_seen(d, f, growth)) seen.push_back(names[f.effect]);
+    row.seen = seen.size();
+    for (std::size_t a = 0; a < d.findings.size(); ++a)
+        for (std::size_t b = a + 1; b < d.findings.size(); ++b)
+            row.alike += look_alike(d, d.findings[a], d.findings[b]);
+    for (const std::string& s : seen)
+        if (!planned.name.empty() && std::find(planned.also.begin(), planned.also.end(), s) == planned.also.end())
+            row.also.push_back(s);
+    return row;
+}
+
+/// Least z of the difference between two members of a group at the strengths found.
+double least_difference(const DiagnoseStudy& study, const Diagnosis& plan) {
+    double least = kInfinity;
+    const auto z_of = [&](const EffectFinding& f) {
+        return f.visibility * study.answers[f.effect].effects.front().strength;
+    };
+    for (const EffectFinding& a : plan.findings)
+        for (const EffectFinding& b : plan.findings) {
+            if (a.effect >= b.effect) continue;
+            const double c = std::min(std::abs(cosine(plan, a, b)), 1.0);
+            least = std::min(least, std::min(z_of(a), z_of(b)) * std::sqrt(1.0 - c * c));
+        }
+    return least;
+}
+
+}  // namespace
+
+bool look_alike(const Diagnosis& plan, const EffectFinding& a, const EffectFinding& b) {
+    return a.effect != b.effect && cosine(plan, a, b) >= kSameLooks && a.visibility > 1.0 && b.visibility > 1.0;
+}
+
+std::vector<FurtherRow> further_rows(const DiagnoseStudy& study) {
+    if (!study.planning || study.diagnosis.findings.empty()) return {};
+    std::vector<std::string> names, seen, seen_then;
+    for (const DiagnosisCandidate& c : study.catalogue.candidates) names.push_back(c.name);
+    std::vector<FurtherRow> rows{row_of("as planned", study.diagnosis, 1.0, {}, names, seen)};
+    const FurtherRow planned{"as planned", 0, 0, seen};
+    for (const WithInstrument& w : study.further)
+        rows.push_back(row_of("with " + w.name, w.plan, 1.0, planned, names, seen_then));
+    rows.push_back(row_of("with twice as many blocks", study.diagnosis, 2.0, planned, names, seen_then));
+    return rows;
+}
+
+std::vector<std::string> telling_apart_sentences(const DiagnoseStudy& study) {
+    std::vector<std::string> sentences;
+    if (study.planning || study.answers.size() < 2) return sentences;
+    for (const WithInstrument& w : study.further) {
+        const double z = least_difference(study, w.plan);
+        const double blocks = static_cast<double>(study.blocks) * std::pow(kToldApart / std::max(z, 1e-9), 2.0);
+        const std::string how = "with " + w.name + ": ";
+        if (blocks > kMostGrowth * static_cast<double>(study.blocks))
+            sentences.push_back(how + "not told apart by any number of blocks that is worth throwing");
+        else
+            sentences.push_back(how + "told apart from about " +
+                                short_number(std::max(10.0, 10.0 * std::ceil(blocks / 10.0))) + " blocks on");
+    }
+    return sentences;
+}
+
+}  // namespace scree::cli

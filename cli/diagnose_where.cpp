@@ -1,0 +1,183 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "cli/diagnose_where.hpp"
+
+#include "cli/plot.hpp"
+#include "scree/inference/distance.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+namespace scree::cli {
+
+namespace {
+
+using gis::Svg;
+using gis::SvgPanel;
+
+constexpr double kLeft = 74.0, kWidth = 800.0, kTop = 62.0, kResiduals = 300.0, kGap = 34.0,
+                 kTerrain = 110.0;  // [pixel]
+constexpr double kFarthest = 0.99;  // share of the simulated stops that are in the picture [-]
+constexpr int kHeights = 400;       // along the terrain
+
+struct Mark {
+    const char* name;
+    const char* colour;
+};
+constexpr Mark kStops{"stops in a stretch", kMeasuredColour}, kPassed{"share that passes", "#127a33"},
+    kSpeed{"speed", kSimulatedColour}, kHeight{"passing height", "#5a2d91"}, kSpin{"spin", "#c0398a"};
+
+/// How a level or share is marked; null: not in the picture.
+const Mark* mark_of(Quantity quantity) {
+    switch (quantity) {
+        case Quantity::Passed:
+            return &kPassed;
+        case Quantity::Speed:
+            return &kSpeed;
+        case Quantity::Height:
+            return &kHeight;
+        case Quantity::Spin:
+            return &kSpin;
+        case Quantity::Along:
+            return &kStops;
+        default:
+            return nullptr;
+    }
+}
+
+/// Chainages of the screens along the axis of the observations; NaN for one that does not cut it.
+std::vector<double> screen_places(const SiteModel& model, const ObservedSite& observed) {
+    const Axis& axis = observed.op.axis;
+    std::vector<double> along(observed.op.screens.size(), kNaN);
+    for (std::size_t k = 0; k < model.campaign.screens.size(); ++k) {
+        double at = kNaN;
+        if (const Screen& screen = model.campaign.screens[k]; !screen.line.empty()) {
+            at = axis.crossing(screen.line);
+        } else {
+            for (const ProfileTrack& track : model.campaign.tracks)
+                for (const ProfileTrack::Mark& mark : track.marks)
+                    if (mark.screen == static_cast<std::int32_t>(k) && std::isnan(at))
+                        at = axis.place(track.profile.place_at(mark.s)).along;
+        }
+        double& known = along[static_cast<std::size_t>(observed.op.screen_of[k])];
+        if (!(known <= at)) known = at;
+    }
+    return along;
+}
+
+/// A stretch of the path, or a place on it, with what is left there.
+struct Item {
+    const Mark* mark;
+    double from, to;  ///< [m]
+    double z;         ///< standardised residual [-]
+    bool between;     ///< on the way from one screen on
+};
+
+std::vector<Item> items_of(const DiagnoseStudy& study, const std::vector<double>& screens, double end) {
+    const auto place = [&](const Column& c) { return c.place >= 0 ? screens[static_cast<std::size_t>(c.place)] : end; };
+    std::vector<Item> items;
+    for (std::size_t k = 0; k < study.diagnosis.residuals.size(); ++k) {
+        const Residual& r = study.diagnosis.residuals[k];
+        const Mark* mark = mark_of(r.column.quantity);
+        if (!mark) continue;
+        Item item{mark, kNaN, kNaN, study.diagnosis.score.standardised[static_cast<Eigen::Index>(k)], false};
+        if (r.kind == ResidualKind::Window) {
+            item.from = std::max(r.from, 0.0);
+            item.to = std::min(r.to, end);
+        } else if (r.kind == ResidualKind::Innovation) {
+            item.from = place(r.other);
+            item.to = place(r.column);
+            item.between = true;
+        } else if ((r.kind == ResidualKind::Level || r.kind == ResidualKind::Passed) && r.column.place >= 0) {
+            item.from = item.to = place(r.column);
+        }
+        if (std::isfinite(item.from) && std::isfinite(item.to)) items.push_back(item);
+    }
+    return items;
+}
+
+/// Chainage up to which simulated and measured blocks come, but for a few, and screens stand.
+double end_of_path(const DiagnoseStudy& study, const ObservedSite& observed, const std::vector<double>& screens) {
+    std::vector<double> along;
+    for (const BlockResult& b : study.campaign.blocks)
+        if (b.done) along.push_back(observed.op.axis.place(b.stop.head<2>()).along);
+    std::sort(along.begin(), along.end());
+    double end = along.empty() ? 1.0 : sample_quantile(along, kFarthest);
+    for (const ObservedStop& s : observed.observations.stops)
+        if (std::isfinite(s.position.x())) end = std::max(end, observed.op.axis.place(s.position.head<2>()).along);
+    for (const double s : screens)
+        if (std::isfinite(s)) end = std::max(end, s);
+    return 1.03 * end;
+}
+
+void draw_item(Svg& svg, const SvgPanel& panel, const Item& item) {
+    const Vec2 from = panel.at({item.from, item.z}), to = panel.at({item.to, item.z});
+    if (item.from == item.to)
+        svg.circle(from, 5.0, fill(item.mark->colour));
+    else
+        svg.segment(from, to, item.between ? stroke(item.mark->colour, 2.0, "6 3") : stroke(item.mark->colour, 4.0));
+}
+
+void draw_terrain(Svg& svg, const SvgPanel& panel, const std::vector<Vec2>& ground) {
+    std::vector<Vec2> line;
+    for (const Vec2& p : ground) line.push_back(panel.at(p));
+    svg.line(line, stroke("#6b5b4b", 1.8));
+}
+
+}  // namespace
+
+std::optional<Figure> where_along_path(const DiagnoseStudy& study, const SiteModel& model,
+                                       const ObservedSite& observed) {
+    if (study.planning || study.diagnosis.residuals.empty()) return std::nullopt;
+    const std::vector<double> screens = screen_places(model, observed);
+    const double end = end_of_path(study, observed, screens), limit = study.diagnosis.test.residual_limit;
+    const std::vector<Item> items = items_of(study, screens, end);
+    double most = 1.15 * limit;
+    for (const Item& i : items) most = std::max(most, 1.1 * std::abs(i.z));
+    std::vector<Vec2> ground;
+    for (int k = 0; k <= kHeights; ++k) {
+        const double along = end * k / kHeights;
+        const Vec2 p = observed.op.axis.point(along);
+        if (model.terrain.surface->facet_at(p) >= 0) ground.emplace_back(along, model.terrain.surface->height(p));
+    }
+    if (items.empty() || ground.empty()) return std::nullopt;
+    const auto [lowest, highest] =
+        std::minmax_element(ground.begin(), ground.end(), [](auto& a, auto& b) { return a.y() < b.y(); });
+
+    Svg svg(kLeft + kWidth + 24.0, kTop + kResiduals + kGap + kTerrain + 54.0);
+    const double foot = kTop + kResiduals + kGap;
+    const SvgPanel panel{{{kLeft, kTop}, {kLeft + kWidth, kTop + kResiduals}}, {{0.0, -most}, {end, most}}};
+    const auto [low, high] = padded_range(lowest->y(), highest->y());
+    const SvgPanel below{{{kLeft, foot}, {kLeft + kWidth, foot + kTerrain}}, {{0.0, low}, {end, high}}};
+    svg.box({panel.at({0.0, std::min(limit, most)}), panel.at({end, std::max(-limit, -most)})}, fill("#ececec"));
+    draw_y_axis(svg, panel, "Measured less simulated [standard deviations]");
+    draw_y_axis(svg, below, "Height [m]", 4);
+    draw_x_axis(svg, below, "Distance along the axis [m]", 12);
+    for (std::size_t s = 0; s < screens.size(); ++s) {
+        if (!std::isfinite(screens[s])) continue;
+        for (const SvgPanel* p : {&panel, &below})
+            svg.segment(p->at({screens[s], p->data.min.y()}), p->at({screens[s], p->data.max.y()}),
+                        stroke("#8a7aa8", 1.1, "7 3"));
+        svg.text(panel.at({screens[s], most}) + Vec2(0.0, -4.0), study.screens[s], words(11.0, "middle"));
+    }
+    svg.segment(panel.at({0.0, 0.0}), panel.at({end, 0.0}), stroke(kTextColour, 1.0));
+    for (const Item& item : items) draw_item(svg, panel, item);
+    draw_frame(svg, panel);
+    draw_terrain(svg, below, ground);
+    draw_frame(svg, below);
+    Vec2 at(kLeft, 22.0);
+    for (const Mark* mark : {&kStops, &kPassed, &kSpeed, &kHeight, &kSpin})
+        if (std::any_of(items.begin(), items.end(), [&](const Item& i) { return i.mark == mark; }))
+            at.x() +=
+                draw_legend(svg, at, mark == &kStops ? LegendMark::Line : LegendMark::Dot, mark->colour, mark->name);
+    draw_legend(svg, at, LegendMark::Box, "#ececec", "95 % of chance, for all together");
+    return Figure{
+        "where_along.svg", "Where along the path",
+        "What is left after recalibration, where it was measured, above the terrain along the axis. Bars: "
+        "stops in a stretch of the path, positive where more were measured. Dots: what a screen saw. "
+        "Dashed: the same among blocks that left the screen before (left end) at like speeds, so that what lies "
+        "between is to blame.",
+        svg.text()};
+}
+
+}  // namespace scree::cli

@@ -1,0 +1,95 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "cli/further_instruments.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+namespace scree::cli {
+
+namespace {
+
+struct Kind {
+    Kinematic kinematic;
+    const char* name;
+};
+constexpr std::array kKinds{Kind{Kinematic::Speed, "speeds"}, Kind{Kinematic::Height, "heights"},
+                            Kind{Kinematic::Spin, "spins"}};
+
+double error_of(Kinematic kinematic, const ObservedSettings& errors) {
+    switch (kinematic) {
+        case Kinematic::Speed:
+            return errors.speed_error;
+        case Kinematic::Height:
+            return errors.height_error;
+        case Kinematic::Spin:
+            return errors.spin_error;
+        case Kinematic::Energy:
+            break;
+    }
+    return errors.energy_error_kj * 1e3;
+}
+
+}  // namespace
+
+std::vector<FurtherInstrument> further_instruments(const ObservedSite& observed) {
+    std::vector<FurtherInstrument> all;
+    if (observed.op.screens.empty()) return all;
+    FurtherInstrument together;
+    for (const Kind& kind : kKinds) {
+        const auto& seen = observed.observations.crossings;
+        const auto k = static_cast<std::size_t>(kind.kinematic);
+        if (std::any_of(seen.begin(), seen.end(), [&](const ObservedCrossing& c) { return std::isfinite(c.value[k]); }))
+            continue;
+        all.push_back({std::string(kind.name) + " at the screens", {kind.kinematic}});
+        together.name += (together.name.empty() ? "" : " and ") + std::string(kind.name);
+        together.kinematics.push_back(kind.kinematic);
+    }
+    together.name += " at the screens";
+    if (all.size() > 1) all.push_back(together);
+    return all;
+}
+
+ObservedSite with_instruments(const ObservedSite& observed, std::span<const FurtherInstrument> instruments,
+                              const CampaignResult& once, const ObservedSettings& errors) {
+    ObservedSite more = observed;
+    std::vector<ObservedCrossing>& crossings = more.observations.crossings;
+    std::vector<bool> saw(observed.op.screens.size(), false);
+    for (const ObservedCrossing& c : crossings) saw[static_cast<std::size_t>(c.screen)] = true;
+    for (const ScreenCrossing& c : once.crossings) {
+        const std::int32_t screen = observed.op.screen_of[static_cast<std::size_t>(c.screen)];
+        if (saw[static_cast<std::size_t>(screen)]) continue;
+        ObservedCrossing& passed = crossings.emplace_back();
+        passed.block = observed.observations.matched ? static_cast<std::int32_t>(c.block) : -1;
+        passed.screen = screen;
+        passed.position = c.position;
+    }
+    for (const FurtherInstrument& instrument : instruments)
+        for (const Kinematic kinematic : instrument.kinematics)
+            for (ObservedCrossing& c : crossings) {
+                c.value[static_cast<std::size_t>(kinematic)] = 1.0;
+                c.error[static_cast<std::size_t>(kinematic)] = error_of(kinematic, errors);
+            }
+    return more;
+}
+
+ObservationTable with_one_instrument(const ObservationTable& table, const ObservedSite& observed,
+                                     const FurtherInstrument& instrument) {
+    const std::vector<Column> without = observed_columns(observed.observations, observed.op);
+    const auto kept = [&](const Column& c) {
+        if (std::find(without.begin(), without.end(), c) != without.end()) return true;
+        if (c.quantity == Quantity::Passed) return !instrument.kinematics.empty();
+        return std::any_of(instrument.kinematics.begin(), instrument.kinematics.end(),
+                           [&](Kinematic k) { return quantity_of(static_cast<std::size_t>(k)) == c.quantity; });
+    };
+    ObservationTable chosen;
+    chosen.block = table.block;
+    for (std::size_t k = 0; k < table.columns.size(); ++k) {
+        if (!kept(table.columns[k])) continue;
+        chosen.columns.push_back(table.columns[k]);
+        chosen.values.push_back(table.values[k]);
+    }
+    return chosen;
+}
+
+}  // namespace scree::cli

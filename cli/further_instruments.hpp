@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include "cli/observed_site.hpp"
+#include "cli/site_settings.hpp"
+
+#include <span>
+#include <string>
+#include <vector>
+
+namespace scree::cli {
+
+/// One more kind of value, or several, that a field test could measure at its screens.
+struct FurtherInstrument {
+    std::string name;  ///< "heights at the screens"
+    std::vector<Kinematic> kinematics;
+};
+
+/// Speeds, heights and spins of which the test has none, each for itself and all together; nothing where the site has no screens.
+std::vector<FurtherInstrument> further_instruments(const ObservedSite& observed);
+
+/// The test as if all of them had been measured, with the errors of [observed], wherever a block was seen; and, at screens that saw nothing, of the blocks
+/// that pass in `once`, a campaign of the test in which every block was thrown once. The values say only that there is one.
+ObservedSite with_instruments(const ObservedSite& observed, std::span<const FurtherInstrument> instruments,
+                              const CampaignResult& once, const ObservedSettings& errors);
+
+/// The columns of a table of such a test that are there without instruments other than this one.
+ObservationTable with_one_instrument(const ObservationTable& table, const ObservedSite& observed,
+                                     const FurtherInstrument& instrument);
+
+}  // namespace scree::cli
