@@ -141,6 +141,13 @@ Figure along_profile(const DiagnoseStudy& study, const AnswerFit& answer, const 
 
 }  // namespace
 
+std::array<ChangedValue, 4> values_of(const ScreenChange& c) {
+    return {{{"passed_percent", 100.0 * c.before.passed, 100.0 * c.after.passed},
+             {"speed_p95_ms", c.before.speed, c.after.speed},
+             {"energy_p95_kj", c.before.energy / kJoulePerKj, c.after.energy / kJoulePerKj},
+             {"height_p95_m", c.before.height, c.after.height}}};
+}
+
 std::vector<ScreenChange> changes_at_screens(const DiagnoseStudy& study) {
     std::vector<ScreenChange> changes;
     const AnswerFit* answer = told(study);

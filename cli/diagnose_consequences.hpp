@@ -4,6 +4,7 @@
 #include "cli/compare_figures.hpp"
 #include "cli/diagnose_study.hpp"
 
+#include <array>
 #include <string>
 #include <vector>
 
@@ -21,6 +22,13 @@ struct ScreenChange {
     std::string screen;
     AtScreen before, after;
 };
+/// One value of it, in the unit in which it is told.
+struct ChangedValue {
+    const char* name;  ///< with the unit, as in JSON
+    double before, after;
+};
+/// Share that passes [%], speed [m/s], energy [kJ], height [m].
+std::array<ChangedValue, 4> values_of(const ScreenChange& change);
 /// Of the best answer that acts on blocks and not on measurements; empty if there is none.
 std::vector<ScreenChange> changes_at_screens(const DiagnoseStudy& study);
 

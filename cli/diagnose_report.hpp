@@ -11,13 +11,6 @@
 
 namespace scree::cli {
 
-/// What was found, in one sentence.
-std::string verdict_sentence(const DiagnoseStudy& study);
-/// Where the calibrated model and the measurements disagree, beyond chance even for so many looks; a sentence each, worst first.
-std::vector<std::string> where_sentences(const DiagnoseStudy& study);
-/// What a reader must know before using the answer, a sentence each.
-std::vector<std::string> diagnose_remarks(const DiagnoseStudy& study);
-
 std::vector<Figure> diagnose_figures(const DiagnoseStudy& study);
 std::string diagnose_json(const DiagnoseStudy& study);
 std::string diagnose_html(const DiagnoseStudy& study, const std::vector<Figure>& figures,

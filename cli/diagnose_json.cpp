@@ -1,0 +1,165 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "cli/commands.hpp"
+#include "cli/compare_report.hpp"
+#include "cli/diagnose_consequences.hpp"
+#include "cli/diagnose_force.hpp"
+#include "cli/diagnose_further.hpp"
+#include "cli/diagnose_report.hpp"
+#include "cli/diagnose_words.hpp"
+
+#include <nlohmann/json.hpp>
+
+#include <algorithm>
+#include <cmath>
+
+namespace scree::cli {
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+Json finding_json(const DiagnoseStudy& study, const EffectFinding& f) {
+    const DiagnosisVariant& v = study.variant_of(f);
+    Json json{{"effect", study.candidate_of(f).name},
+              {"form", effect_info(v.kind).name},
+              {"label", v.label},
+              {"measurement", study.candidate_of(f).measurement},
+              {"z", f.z},
+              {"visibility_at_reference", f.visibility},
+              {"reference", {{"parameter", v.parameter}, {"unit", unit_of(v)}, {"value", v.reference}}}};
+    if (std::isfinite(f.smallest_seen)) {
+        const DiagnosisVariant& seen = study.candidate_of(f).variants[f.seen_variant];
+        json["smallest_seen"] = {{"form", effect_info(seen.kind).name},
+                                 {"label", seen.label},
+                                 {"parameter", seen.parameter},
+                                 {"value", seen.value(f.smallest_seen)}};
+    } else {
+        json["smallest_seen"] = nullptr;
+    }
+    if (!std::isnan(v.from)) json["between_m"] = Json::array({v.from, v.to});
+    if (f.finalist) {
+        json["strength"] = f.strength;
+        json["value"] = v.value(f.strength);
+        json["left_over"] = f.misfit;
+        json["left_over_p"] = f.p;
+        json["weight"] = f.weight;
+    }
+    return json;
+}
+
+/// One row per effect; two that act together say so, and share what follows from both.
+Json answer_json(const DiagnoseStudy& study, const AnswerFit& a, const AnsweredEffect& e) {
+    const DiagnosisVariant& v = e.variant;
+    const double low = v.value(e.interval.low), high = v.value(e.interval.high);
+    Json json{{"effect", e.candidate->name},
+              {"form", effect_info(v.kind).name},
+              {"label", v.label},
+              {"parameter", v.parameter},
+              {"unit", unit_of(v)},
+              {"value", v.value(e.strength)},
+              {"interval_95", ends_of({std::min(low, high), std::max(low, high)})},
+              {"together", a.effects.size() > 1},
+              {"weight", a.weight()},
+              {"gap_fitted", a.model.result.best_fit.gap()},
+              {"gap_over_all", a.study.overall.gap}};
+    if (!std::isnan(v.from)) json["between_m"] = Json::array({v.from, v.to});
+    if (!study.baseline.result.folds.empty()) {
+        json["held_out_loss"] = a.model.result.held_out.loss;
+        json["held_out_gap"] = a.model.result.held_out.gap();
+        if (const auto share = removable_gap_closed(study, a)) json["removable_gap_closed"] = *share;
+    }
+    for (std::size_t k = 0; k < a.model.point.values.size(); ++k)
+        json["calibrated"][study.keys.problem.parameters[k].name] = a.model.point.values[k];
+    return json;
+}
+
+}  // namespace
+
+std::string diagnose_json(const DiagnoseStudy& study) {
+    const Diagnosis& d = study.diagnosis;
+    Json json;
+    json["program"] = "scree " + version();
+    json["site"] = study.site.settings.name;
+    json["seed"] = study.settings.seed;
+    json["measured_blocks"] = study.blocks;
+    json["verdict"] = study.planning ? "PLAN" : kVerdictNames[static_cast<std::size_t>(study.verdict)];
+    json["sentence"] = verdict_sentence(study);
+    json["answer"] = Json::array();
+    for (const AnswerFit& a : study.answers)
+        for (const AnsweredEffect& e : a.effects) json["answer"].push_back(answer_json(study, a, e));
+    for (const ScreenChange& c : changes_at_screens(study)) {
+        Json row{{"screen", c.screen}};
+        for (const ChangedValue& v : values_of(c)) {
+            row["calibrated"][v.name] = v.before;
+            row["extended"][v.name] = v.after;
+        }
+        json["at_screens"].push_back(row);
+    }
+    json["audit"] = Json::array();
+    for (const Finding& f : study.audit)
+        json["audit"].push_back({{"check", f.check},
+                                 {"severity", f.severity == Severity::Error ? "error" : "warning"},
+                                 {"sentence", f.sentence}});
+    json["where"] = where_sentences(study);
+    if (const std::vector<std::string> force = force_sentences(study); !force.empty()) {
+        json["force"]["sentences"] = force;
+        Eigen::Index at = 0;
+        for (const DiagnosisCandidate& c : study.forces.candidates)
+            for (const DiagnosisVariant& v : c.variants)
+                json["force"]["ways"].push_back(
+                    {{"phase", c.name}, {"way", v.label}, {"z", study.by_force.score.z[at++]}});
+    }
+    if (const std::vector<std::string> apart = telling_apart_sentences(study); !apart.empty())
+        json["would_tell_apart"] = apart;
+    for (const FurtherRow& r : further_rows(study))
+        json["in_addition"].push_back(
+            {{"test", r.name}, {"effects_seen_at_reference", r.seen}, {"pairs_alike", r.alike}, {"also_seen", r.also}});
+    json["remarks"] = diagnose_remarks(study);
+    if (!d.residuals.empty()) {
+        json["global_test"] = {
+            {"level", study.settings.level}, {"z_limit", d.test.z_limit}, {"residual_limit", d.test.residual_limit}};
+        if (!study.planning) {
+            json["global_test"]["p"] = d.test.p;
+            json["global_test"]["p_any"] = d.test.p_q;
+            json["global_test"]["p_effect"] = d.test.p_z;
+            json["weight_none"] = d.weight_none;
+        }
+        json["residuals"] = Json::array();
+        for (std::size_t k = 0; k < d.residuals.size(); ++k) {
+            Json row{{"name", residual_name(d.residuals[k], study.screens)}};
+            if (!study.planning) {
+                row["standardised"] = d.score.standardised[static_cast<Eigen::Index>(k)];
+                row["p"] = d.test.residual_p[static_cast<Eigen::Index>(k)];
+            }
+            json["residuals"].push_back(row);
+        }
+    }
+    json["effects"] = Json::array();
+    for (const EffectFinding& f : d.findings) json["effects"].push_back(finding_json(study, f));
+    json["cosines"] = Json::array();
+    for (Eigen::Index i = 0; i < d.cosines.rows(); ++i) {
+        Json row = Json::array();
+        for (Eigen::Index j = 0; j < d.cosines.cols(); ++j) row.push_back(d.cosines(i, j));
+        json["cosines"].push_back(row);
+    }
+    json["order_of_cosines"] = Json::array();
+    for (const DiagnosisCandidate& c : study.catalogue.candidates) json["order_of_cosines"].push_back(c.name);
+    json["not_searched"] = study.catalogue.left_out;
+    if (!study.planning && !study.baseline.result.parameters.empty()) {
+        Json baseline;
+        for (std::size_t k = 0; k < study.baseline.point.values.size(); ++k)
+            baseline["calibrated"][study.keys.problem.parameters[k].name] = study.baseline.point.values[k];
+        baseline["gap_fitted"] = study.baseline.result.best_fit.gap();
+        baseline["gap_over_all"] = study.before.overall.gap;
+        if (!study.baseline.result.folds.empty()) {
+            baseline["held_out_loss"] = study.baseline.result.held_out.loss;
+            baseline["held_out_gap"] = study.baseline.result.held_out.gap();
+        }
+        json["baseline"] = baseline;
+    }
+    json["simulated_blocks"] = d.simulated_blocks;
+    json["inputs"] = study.inputs;
+    return json.dump(1) + "\n";
+}
+
+}  // namespace scree::cli

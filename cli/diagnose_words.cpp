@@ -1,0 +1,223 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "cli/diagnose_words.hpp"
+
+#include "cli/diagnose_further.hpp"
+#include "cli/text.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+namespace scree::cli {
+
+namespace {
+
+constexpr std::size_t kMostSentences = 8;
+constexpr double kInRange = 0.03;  // estimates nearer to an end of their range lie on its edge [-]
+
+std::string with_unit(double value, const std::string& unit) {
+    return short_number(value) + (unit == "-" ? "" : " " + unit);
+}
+
+}  // namespace
+
+const char* unit_of(const DiagnosisVariant& v) {
+    return effect_parameter(v.kind, v.parameter).unit;
+}
+
+std::string variant_name(const DiagnosisVariant& v) {
+    const std::string name = effect_info(v.kind).name;
+    return v.label.empty() ? name : name + ", " + v.label;
+}
+
+std::string strength_text(const AnsweredEffect& e) {
+    const DiagnosisVariant& v = e.variant;
+    const double a = v.value(e.interval.low), b = v.value(e.interval.high);
+    return v.parameter + " " + with_unit(v.value(e.strength), unit_of(v)) + " (95 %: " + short_number(std::min(a, b)) +
+           " to " + short_number(std::max(a, b)) + ")";
+}
+
+std::string held_out_text(const CalibratedModel& m) {
+    return m.result.folds.empty() ? "-" : gap_number(m.result.held_out.gap());
+}
+
+std::string smallest_seen(const DiagnoseStudy& study, const EffectFinding& f) {
+    const DiagnosisCandidate& c = study.candidate_of(f);
+    if (!std::isfinite(f.smallest_seen)) return "not visible";
+    const DiagnosisVariant& v = c.variants[f.seen_variant];
+    return variant_name(v) + ": " + v.parameter + " " + with_unit(v.value(f.smallest_seen), unit_of(v));
+}
+
+std::string look_alikes(const DiagnoseStudy& study, const EffectFinding& f) {
+    std::vector<std::string> names;
+    for (const EffectFinding& other : study.diagnosis.findings)
+        if (look_alike(study.diagnosis, f, other)) names.push_back(study.candidate_of(other).name);
+    return listed(names);
+}
+
+namespace {
+
+std::vector<std::size_t> by_size(const Eigen::VectorXd& values) {
+    std::vector<std::size_t> order(static_cast<std::size_t>(values.size()));
+    std::iota(order.begin(), order.end(), 0u);
+    std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
+        return std::abs(values[static_cast<Eigen::Index>(a)]) > std::abs(values[static_cast<Eigen::Index>(b)]);
+    });
+    return order;
+}
+
+/// ": mean 9.8 measured, 12.4 simulated [m/s]" of a column that is an observable. Residuals count after the parameters have fitted the rest as well as they
+/// can: where that turns the sign round, the calibrated model's own numbers would contradict the sentence.
+std::string in_units(const DiagnoseStudy& study, const Column& column, bool more) {
+    for (const ComparedObservable& o : study.before.observables) {
+        if (o.gap.observable.columns.size() != 1 || o.gap.observable.columns.front() != column) continue;
+        const bool share = o.measured_share.of > 0;
+        if (!share && o.measured.empty()) continue;
+        const double measured = share ? 100.0 * o.measured_share.share() : o.measured_summary.mean,
+                     simulated = share ? 100.0 * o.simulated_share.share() : o.simulated_summary.mean;
+        if ((measured > simulated) != more) return ", once the parameters fit the rest";
+        return share ? ": " + short_number(measured) + " % measured, " + short_number(simulated) + " % simulated"
+                     : ": mean " + short_number(measured) + " measured, " + short_number(simulated) + " simulated [" +
+                           o.unit + "]";
+    }
+    return "";
+}
+
+std::string direction(const Residual& r, bool more) {
+    switch (r.kind) {
+        case ResidualKind::Passed:
+            return more ? "is higher than simulated" : "is lower than simulated";
+        case ResidualKind::Level:
+        case ResidualKind::Innovation:
+            return more ? "is larger than simulated" : "is smaller than simulated";
+        case ResidualKind::Spread:
+            return more ? "is wider than simulated" : "is narrower than simulated";
+        case ResidualKind::MassTrend:
+            return more ? "rises more with mass than simulated" : "falls more with mass than simulated";
+        case ResidualKind::ShapeTrend:
+            return more ? "rises more with elongation than simulated" : "falls more with elongation than simulated";
+        case ResidualKind::OrderTrend:
+            return more ? "rises in the course of the test" : "falls in the course of the test";
+        case ResidualKind::Together:
+            return more ? "go together more than simulated" : "go together less than simulated";
+        case ResidualKind::Window:
+            return more ? "are more than simulated" : "are fewer than simulated";
+    }
+    return "";
+}
+
+/// The words of a residual without what `direction` says anyway.
+std::string subject_of(const Residual& r, std::span<const std::string> screens) {
+    Residual plain = r;
+    if (r.kind == ResidualKind::MassTrend || r.kind == ResidualKind::ShapeTrend || r.kind == ResidualKind::OrderTrend)
+        plain.kind = ResidualKind::Level;
+    return residual_name(plain, screens);
+}
+
+/// "ground_drag, on loose waste (drag in contact)", of two effects both.
+std::string described(const AnswerFit& answer) {
+    std::string text;
+    for (const AnsweredEffect& e : answer.effects)
+        text += (text.empty() ? "" : " and ") + variant_name(e.variant) + " (" + e.candidate->title + ")";
+    return text;
+}
+
+std::string names_of(const std::vector<AnswerFit>& answers) {
+    std::string text;
+    for (std::size_t k = 0; k < answers.size(); ++k)
+        text += (k == 0 ? "" : k + 1 == answers.size() ? " or " : ", ") + answers[k].name();
+    return text;
+}
+
+/// What comes nearest without being an answer, and why it is none. Findings are ordered by weight.
+std::string nearest(const DiagnoseStudy& study) {
+    const std::vector<EffectFinding>& findings = study.diagnosis.findings;
+    if (findings.empty() || !findings.front().finalist) return "";
+    const EffectFinding& f = findings.front();
+    const std::string name = "; " + variant_name(study.variant_of(f)) + " comes nearest, but ";
+    if (f.p <= study.settings.rejected)
+        return name + "only " + short_number(100.0 * f.p) + " % of its own simulations look as far off";
+    return name + "has a weight of " + weight_text(f.weight) + " only";
+}
+
+}  // namespace
+
+std::string verdict_sentence(const DiagnoseStudy& study) {
+    const Diagnosis& d = study.diagnosis;
+    if (study.planning) return "planned: what a test like this could see";
+    switch (study.verdict) {
+        case Verdict::None:
+            return "NONE: the calibrated model could have produced these measurements (p = " + p_text(d.test.p) +
+                   "); nothing is missing that they could show";
+        case Verdict::Named:
+            return "NAMED: " + described(study.answers.front());
+        case Verdict::Group:
+            return "GROUP: " + names_of(study.answers) + "; these measurements cannot tell them apart";
+        case Verdict::Unknown:
+            return "UNKNOWN: something is missing (p = " + p_text(d.test.p) + ") that has no name in the catalogue" +
+                   (study.demoted.empty() ? nearest(study) : ": " + study.demoted);
+        case Verdict::DataProblem:
+            if (study.answers.empty()) return "DATA PROBLEM: the measurements cannot be used as they are";
+            return "DATA PROBLEM: " + names_of(study.answers) +
+                   (study.answers.size() == 1 && study.answers.front().effects.size() == 1
+                        ? ", " + study.answers.front().effects.front().variant.label
+                        : "") +
+                   "; check how it was measured before anything else";
+    }
+    return "";
+}
+
+std::vector<std::string> where_sentences(const DiagnoseStudy& study) {
+    std::vector<std::string> sentences;
+    const Diagnosis& d = study.diagnosis;
+    if (d.residuals.empty() || study.planning || d.verdict == Verdict::None) return sentences;
+    for (const std::size_t k : by_size(d.score.standardised)) {
+        const auto i = static_cast<Eigen::Index>(k);
+        if (d.test.residual_p[i] > study.settings.level || sentences.size() == kMostSentences) break;
+        const double s = d.score.standardised[i];
+        const Residual& r = d.residuals[k];
+        sentences.push_back(
+            subject_of(r, study.screens) + " " + direction(r, s > 0.0) +
+            (r.kind == ResidualKind::Level || r.kind == ResidualKind::Passed ? in_units(study, r.column, s > 0.0)
+                                                                             : std::string()) +
+            " (" + short_number(std::abs(s)) + " standard deviations, p = " + p_text(d.test.residual_p[i]) + ")");
+    }
+    return sentences;
+}
+
+std::vector<std::string> diagnose_remarks(const DiagnoseStudy& study) {
+    std::vector<std::string> remarks;
+    const auto& parameters = study.keys.problem.parameters;
+    for (std::size_t i = 0; i < study.baseline.result.parameters.size() && !study.planning; ++i) {
+        const ParameterEstimate& e = study.baseline.result.parameters[i];
+        if (e.at_low || e.at_high)
+            remarks.push_back(parameters[i].name +
+                              " of the calibrated model lies on the edge of its range: a missing "
+                              "effect often drives it there");
+    }
+    for (const AnswerFit& a : study.answers) {
+        if (study.verdict == Verdict::Unknown) break;
+        for (const AnsweredEffect& e : a.effects)
+            if (e.strength > (1.0 - kInRange) * e.variant.most)
+                remarks.push_back("the strength of " + e.candidate->name + " lies at the end of what was searched");
+        if (!study.baseline.result.folds.empty() &&
+            !(a.model.result.held_out.loss < study.baseline.result.held_out.loss))
+            remarks.push_back("the prediction of blocks held out does not improve with " + a.name());
+        if (a.study.overall.beyond_chance())
+            remarks.push_back("with " + a.name() + " the model is still beyond chance as a whole");
+    }
+    if (study.verdict == Verdict::Group)
+        for (const AnswerFit& a : study.answers)
+            for (const AnsweredEffect& e : a.effects)
+                remarks.push_back(e.candidate->name + " would show in " + effect_info(e.variant.kind).seen_in);
+    if (study.in_plane && (study.verdict == Verdict::Named || study.verdict == Verdict::Group))
+        remarks.push_back(
+            "the model is 2D: what blocks do sideways can look like an effect; confirm with model.dimension = 3");
+    if (study.verdict == Verdict::Named)
+        remarks.push_back("the name is the best of " + std::to_string(study.catalogue.candidates.size()) +
+                          " that were searched; it holds for this slope and these blocks, and its strength for ground "
+                          "like this");
+    return remarks;
+}
+
+}  // namespace scree::cli

@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include "cli/diagnose_study.hpp"
+
+#include <string>
+#include <vector>
+
+namespace scree::cli {
+
+/// What was found, in one sentence.
+std::string verdict_sentence(const DiagnoseStudy& study);
+/// Where the calibrated model and the measurements disagree, beyond chance even for so many looks; a sentence each, worst first.
+std::vector<std::string> where_sentences(const DiagnoseStudy& study);
+/// What a reader must know before using the answer, a sentence each.
+std::vector<std::string> diagnose_remarks(const DiagnoseStudy& study);
+
+/// Unit of the parameter whose value the strength stands for.
+const char* unit_of(const DiagnosisVariant& v);
+/// "ground_drag, linear, on loose waste".
+std::string variant_name(const DiagnosisVariant& v);
+/// "coefficient 0.31 1/s (95 %: 0.2 to 0.45)".
+std::string strength_text(const AnsweredEffect& e);
+/// Gap of what is fitted on blocks held out, "-" without folds.
+std::string held_out_text(const CalibratedModel& m);
+/// Smallest strength that four of five tests would see, "not visible" if none does.
+std::string smallest_seen(const DiagnoseStudy& study, const EffectFinding& f);
+/// Effects that look like this one after a recalibration.
+std::string look_alikes(const DiagnoseStudy& study, const EffectFinding& f);
+
+}  // namespace scree::cli
