@@ -13,7 +13,8 @@ namespace scree::cli {
 namespace {
 
 constexpr std::size_t kMostSentences = 8;
-constexpr double kInRange = 0.03;  // estimates nearer to an end of their range lie on its edge [-]
+constexpr double kWorthSaying = 0.05;  // least weight of an effect that is said where none is an answer [-]
+constexpr double kInRange = 0.03;      // estimates nearer to an end of their range lie on its edge [-]
 
 std::string with_unit(double value, const std::string& unit) {
     return short_number(value) + (unit == "-" ? "" : " " + unit);
@@ -129,15 +130,35 @@ std::string names_of(const std::vector<AnswerFit>& answers) {
     return text;
 }
 
-/// What comes nearest without being an answer, and why it is none. Findings are ordered by weight.
+/// Effects that could have produced the measurements, none of them by far the likeliest; empty if what comes nearest could not.
+std::string rivals(const DiagnoseStudy& study) {
+    const Diagnosis& d = study.diagnosis;
+    if (d.findings.empty() || !d.findings.front().finalist || d.findings.front().p <= study.settings.rejected)
+        return "";
+    std::string text;
+    std::size_t count = 0;
+    for (const EffectFinding& f : d.findings)  // by weight
+        if (f.finalist && f.weight >= kWorthSaying && ++count <= study.settings.largest_group)
+            text += variant_name(study.variant_of(f)) + " (weight " + weight_text(f.weight) + "), ";
+    return text + "others, or chance (" + weight_text(d.weight_none) + ")";
+}
+
+/// What is missing has no name: what comes nearest cannot be it.
 std::string nearest(const DiagnoseStudy& study) {
     const std::vector<EffectFinding>& findings = study.diagnosis.findings;
     if (findings.empty() || !findings.front().finalist) return "";
     const EffectFinding& f = findings.front();
-    const std::string name = "; " + variant_name(study.variant_of(f)) + " comes nearest, but ";
-    if (f.p <= study.settings.rejected)
-        return name + "only " + short_number(100.0 * f.p) + " % of its own simulations look as far off";
-    return name + "has a weight of " + weight_text(f.weight) + " only";
+    return "; " + variant_name(study.variant_of(f)) + " comes nearest, but only " + short_number(100.0 * f.p) +
+           " % of its own simulations look as far off";
+}
+
+std::string unknown_sentence(const DiagnoseStudy& study) {
+    const std::string p = " (p = " + p_text(study.diagnosis.test.p) + ")";
+    const std::string nameless = "UNKNOWN: something is missing" + p + " that has no name in the catalogue";
+    if (!study.demoted.empty()) return nameless + ": " + study.demoted;
+    if (const std::string some = rivals(study); !some.empty())
+        return "UNKNOWN: something is missing" + p + ", and these measurements do not say what: " + some;
+    return nameless + nearest(study);
 }
 
 }  // namespace
@@ -154,8 +175,7 @@ std::string verdict_sentence(const DiagnoseStudy& study) {
         case Verdict::Group:
             return "GROUP: " + names_of(study.answers) + "; these measurements cannot tell them apart";
         case Verdict::Unknown:
-            return "UNKNOWN: something is missing (p = " + p_text(d.test.p) + ") that has no name in the catalogue" +
-                   (study.demoted.empty() ? nearest(study) : ": " + study.demoted);
+            return unknown_sentence(study);
         case Verdict::DataProblem:
             if (study.answers.empty()) return "DATA PROBLEM: the measurements cannot be used as they are";
             return "DATA PROBLEM: " + names_of(study.answers) +

@@ -5,6 +5,7 @@
 Usage: smoke.py SCREE
 """
 import json
+import shutil
 import subprocess
 import sys
 import tempfile
@@ -42,6 +43,10 @@ def main():
         said = run("score.py", folder)
         assert said.startswith("3 cases, of which nothing hidden in 2"), said
         print(said)
+        kept = Path(folder) / "kept"
+        run("keep.py", str(kept), folder)
+        shutil.unpack_archive(kept / "run.tar.xz", kept)
+        assert run("score.py", str(kept)) == said, "a kept run scores otherwise"
         file = Path(folder) / "sealed" / "0000.json"
         file.write_text(file.read_text().replace("5", "6", 1))
         forged = subprocess.run([sys.executable, "-B", str(HERE / "score.py"), folder], capture_output=True, text=True)

@@ -1,0 +1,58 @@
+#!/usr/bin/python3
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Keeps a run of blind cases, whole or so far: what was sealed and what was found, without the cases themselves, which follow from the seed.
+
+Usage: keep.py TARGET FOLDER [FOLDER ...]
+
+Writes TARGET/sealed.sha256, TARGET/finder.json and TARGET/run.tar.xz with sealed/NNNN.json and found/NNNN.json, of which what score.py reads is kept. Cases
+that were sealed and not yet found stay out. Unpacked beside the other two files it can be scored, and generate.py and find.py go on from there.
+"""
+import argparse
+import io
+import json
+import sys
+import tarfile
+from pathlib import Path
+
+KEPT = ("program", "verdict", "sentence", "answer", "measured_blocks", "simulated_blocks")
+
+
+def condensed(found):
+    result = json.loads(found.read_text())
+    kept = {key: result[key] for key in KEPT if key in result}
+    kept["effects"] = [{key: effect.get(key) for key in ("effect", "form", "z", "weight")} for effect in result["effects"]]
+    kept["global_test"] = {"p": result.get("global_test", {}).get("p")}
+    kept["baseline"] = {"held_out_loss": result.get("baseline", {}).get("held_out_loss")}
+    return json.dumps(kept, separators=(",", ":")).encode()
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("target", type=Path)
+    parser.add_argument("folders", type=Path, nargs="+")
+    args = parser.parse_args()
+    finders = {(folder / "finder.json").read_text() for folder in args.folders}
+    if len(finders) != 1:
+        sys.exit("the folders were found by different programs or with different settings")
+    seals, files = {}, {}
+    for folder in args.folders:
+        hashes = dict(reversed(line.split()) for line in (folder / "sealed.sha256").read_text().splitlines())
+        for found in (folder / "found").glob("*.json"):
+            name = f"sealed/{found.name}"
+            if seals.setdefault(name, hashes[name]) != hashes[name]:
+                sys.exit(f"{folder}: {name} was sealed twice")
+            files[name] = (folder / name).read_bytes()
+            files[f"found/{found.name}"] = condensed(found)
+    args.target.mkdir(parents=True, exist_ok=True)
+    (args.target / "finder.json").write_text(finders.pop())
+    (args.target / "sealed.sha256").write_text("".join(f"{seals[name]}  {name}\n" for name in sorted(seals)))
+    with tarfile.open(args.target / "run.tar.xz", "w:xz") as tar:
+        for name in sorted(files):
+            member = tarfile.TarInfo(name)
+            member.size = len(files[name])
+            tar.addfile(member, io.BytesIO(files[name]))
+    print(f"{len(seals)} cases kept")
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,62 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// What the verdict says where there is no name for what is missing.
+#include "cli/diagnose_words.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <array>
+#include <vector>
+
+namespace scree::cli {
+namespace {
+
+/// A rejected model with finalists of these weights, the first of which leaves what its own simulations leave with the chance p.
+DiagnoseStudy unknown(const std::vector<double>& weights, double p) {
+    DiagnoseStudy study;
+    study.verdict = study.diagnosis.verdict = Verdict::Unknown;
+    study.diagnosis.test.p = 0.002;
+    study.diagnosis.weight_none = 1.0;
+    const std::array kinds{EffectKind::GroundDrag, EffectKind::SoilPatch, EffectKind::SlowMissed,
+                           EffectKind::Roughness};
+    for (std::size_t k = 0; k < weights.size(); ++k) {
+        DiagnosisVariant v;
+        v.kind = kinds[k];
+        study.catalogue.candidates.push_back({effect_info(kinds[k]).name, "", false, {v}});
+        EffectFinding& f = study.diagnosis.findings.emplace_back();
+        f.effect = k;
+        f.finalist = true;
+        f.weight = weights[k];
+        f.p = k == 0 ? p : 0.5;
+        study.diagnosis.weight_none -= weights[k];
+    }
+    return study;
+}
+
+TEST(DiagnoseWords, ManyThatCouldBeItAreNoNamelessEffect) {
+    EXPECT_EQ(verdict_sentence(unknown({0.5, 0.25, 0.15, 0.04}, 0.3)),
+              "UNKNOWN: something is missing (p = 0.002), and these measurements do not say what: ground_drag (weight "
+              "0.500), soil_patch (weight 0.250), slow_missed (weight 0.150), others, or chance (0.060)");
+}
+
+TEST(DiagnoseWords, WhatComesNearestAndCannotBeIt) {
+    EXPECT_EQ(verdict_sentence(unknown({0.99}, 0.005)),
+              "UNKNOWN: something is missing (p = 0.002) that has no name in the catalogue; ground_drag comes nearest, "
+              "but only 0.5 % of its own simulations look as far off");
+}
+
+TEST(DiagnoseWords, ANameThatWasTakenBack) {
+    DiagnoseStudy study = unknown({0.99}, 0.3);
+    study.demoted = "the blocks held out are predicted no better with ground_drag than without";
+    EXPECT_EQ(verdict_sentence(study),
+              "UNKNOWN: something is missing (p = 0.002) that has no name in the catalogue: the blocks held out are "
+              "predicted no better with ground_drag than without");
+}
+
+TEST(DiagnoseWords, NothingComesNear) {
+    EXPECT_EQ(verdict_sentence(unknown({}, 1.0)),
+              "UNKNOWN: something is missing (p = 0.002) that has no name in the catalogue");
+}
+
+}  // namespace
+}  // namespace scree::cli
