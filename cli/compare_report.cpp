@@ -3,6 +3,7 @@
 
 #include "cli/html.hpp"
 #include "cli/text.hpp"
+#include "gis/words.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -57,9 +58,13 @@ void print_row(std::ostream& out, const ComparedObservable& o) {
 std::string verdict(const CompareStudy& study) {
     if (!std::isfinite(study.overall.gap)) return "nothing can be compared";
     std::string beyond;
-    for (const ComparedObservable& o : study.observables)
-        if (o.gap.pooled.beyond_chance() || (o.gap.score && o.gap.score->beyond_chance()))
-            beyond += (beyond.empty() ? "" : ", ") + o.gap.observable.name;
+    for (const ComparedObservable& o : study.observables) {
+        const bool pooled = o.gap.pooled.beyond_chance(), score = o.gap.score && o.gap.score->beyond_chance();
+        if (!pooled && !score) continue;
+        const bool too_wide = !pooled && o.gap.score->gap < o.gap.score->chance.low;
+        beyond += (beyond.empty() ? "" : ", ") + o.gap.observable.name +
+                  (too_wide ? " (single blocks scatter more than measured)" : "");
+    }
     const bool overall = study.overall.beyond_chance() || (study.overall_score && study.overall_score->beyond_chance());
     if (overall) return "beyond chance" + (beyond.empty() ? std::string() : ": " + beyond);
     return beyond.empty() ? "within chance: these measurements cannot tell the simulation from the field test"
@@ -69,7 +74,7 @@ std::string verdict(const CompareStudy& study) {
 
 std::string design_text(const CompareStudy& study, const ObservedSite& observed, const CampaignResult& campaign) {
     std::ostringstream text;
-    text << study.blocks << " measured blocks";
+    text << gis::counted(study.blocks, "measured block");
     if (observed.observations.matched)
         text << ", each simulated " << study.repeats << " times with its own mass and lengths";
     else

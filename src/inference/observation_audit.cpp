@@ -335,7 +335,8 @@ private:
         const std::size_t blocks = o_.matched ? o_.blocks.size() : std::max(o_.stops.size(), o_.crossings.size());
         if (blocks < kFewBlocks && o_.shares.empty())
             find(Severity::Warning, "few_blocks",
-                 words("only ", blocks, " blocks were measured: gaps within chance then mean little"));
+                 words("only ", blocks, blocks == 1 ? " block was" : " blocks were",
+                       " measured: gaps within chance then mean little"));
     }
 
     const Observations& o_;
