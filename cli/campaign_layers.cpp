@@ -246,8 +246,8 @@ gis::RasterLayer raster(const SiteModel& model, const CampaignResult& result, Va
 }
 
 template <class Value>
-void add_count(std::vector<gis::RasterLayer>& layers, const SiteModel& model, const CampaignResult& result,
-               const char* name, const char* title, const char* definition, RasterTheme theme, Value value) {
+gis::RasterLayer counts(const SiteModel& model, const CampaignResult& result, const char* name, const char* title,
+                        const char* definition, RasterTheme theme, Value value) {
     gis::RasterLayer layer = raster(model, result, value);
     layer.name = name;
     layer.title = title;
@@ -255,7 +255,7 @@ void add_count(std::vector<gis::RasterLayer>& layers, const SiteModel& model, co
     layer.quantity_definition = definition;
     layer.group = "Counts";
     layer.theme = theme;
-    layers.push_back(std::move(layer));
+    return layer;
 }
 
 /// The name of a user's field as our files spell it: a-z, 0-9 and _, a letter first, each once. The user's own spelling stays as its alias.
@@ -301,18 +301,25 @@ std::vector<gis::VectorLayer> campaign_vectors(const SiteModel& model, const Cam
     return layers;
 }
 
+gis::RasterLayer reach_probability_raster(const SiteModel& model, const CampaignResult& result) {
+    const double released = static_cast<double>(std::max<std::int64_t>(result.released, 1));
+    gis::RasterLayer layer = counts(
+        model, result, "reach_probability", "Reach probability", "share of the blocks thrown that crossed the cell",
+        RasterTheme::Probability, [&](const CellStatistics& c) { return static_cast<double>(c.passages) / released; });
+    layer.visible = true;
+    return layer;
+}
+
 std::vector<gis::RasterLayer> campaign_rasters(const SiteModel& model, const CampaignResult& result) {
     if (model.in_plane()) return {heights_layer(model.terrain)};
     std::vector<gis::RasterLayer> layers;
-    const double released = static_cast<double>(std::max<std::int64_t>(result.released, 1));
-    add_count(layers, model, result, "reach_probability", "Reach probability",
-              "share of the blocks thrown that crossed the cell", RasterTheme::Probability,
-              [&](const CellStatistics& c) { return static_cast<double>(c.passages) / released; });
-    layers.back().visible = true;
-    add_count(layers, model, result, "passages", "Passages", "blocks that crossed the cell, each counted once",
-              RasterTheme::Count, [](const CellStatistics& c) { return static_cast<double>(c.passages); });
-    add_count(layers, model, result, "deposits", "Deposits", "blocks that came to rest in the cell", RasterTheme::Count,
-              [](const CellStatistics& c) { return c.deposits > 0 ? static_cast<double>(c.deposits) : kNaN; });
+    layers.push_back(reach_probability_raster(model, result));
+    layers.push_back(counts(model, result, "passages", "Passages", "blocks that crossed the cell, each counted once",
+                            RasterTheme::Count,
+                            [](const CellStatistics& c) { return static_cast<double>(c.passages); }));
+    layers.push_back(
+        counts(model, result, "deposits", "Deposits", "blocks that came to rest in the cell", RasterTheme::Count,
+               [](const CellStatistics& c) { return c.deposits > 0 ? static_cast<double>(c.deposits) : kNaN; }));
     for (const QuantityInfo& q : kQuantities) {
         const auto k = static_cast<std::size_t>(q.quantity);
         auto add = [&](const std::string& suffix, const std::string& words, auto value) {

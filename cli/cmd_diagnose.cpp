@@ -10,7 +10,6 @@
 #include "scree/base/error.hpp"
 #include "scree/inference/residual_space.hpp"
 
-#include <algorithm>
 #include <memory>
 #include <ostream>
 #include <sstream>
@@ -95,15 +94,20 @@ gis::VectorLayer zone_layer(const DiagnosisVariant& variant, std::size_t effect)
     return layer;
 }
 
-/// The reach probability of a 3D campaign as a raster.
-void add_reach(gis::ResultsPackage& package, const SiteModel& model, const CampaignResult& campaign,
-               const std::string& of) {
-    for (gis::RasterLayer& layer : campaign_rasters(model, campaign)) {
-        if (layer.name != "reach_probability") continue;
-        layer.name += "_" + of;
-        layer.title += ", " + of;
-        package.rasters.push_back(std::move(layer));
-    }
+/// Where it fails, what explains it, what that changes.
+std::vector<Figure> figures_of(const DiagnoseStudy& study, const SiteModel& model, const ObservedSite& observed) {
+    std::vector<Figure> figures;
+    if (auto along = where_along_path(study, model, observed)) figures.push_back(std::move(*along));
+    for (Figure& f : diagnose_figures(study)) figures.push_back(std::move(f));
+    for (Figure& f : consequence_figures(study, model, observed)) figures.push_back(std::move(f));
+    return figures;
+}
+
+gis::RasterLayer reach_raster(const SiteModel& model, const CampaignResult& campaign, const std::string& of) {
+    gis::RasterLayer layer = reach_probability_raster(model, campaign);
+    layer.name += "_" + of;
+    layer.title += ", " + of;
+    return layer;
 }
 
 gis::ResultsPackage results_of(const DiagnoseStudy& study, const SiteModel& model, const ObservedSite& observed,
@@ -121,15 +125,12 @@ gis::ResultsPackage results_of(const DiagnoseStudy& study, const SiteModel& mode
     if (package.vectors.empty()) package.vectors.push_back(input_layer(model.release, "release", "Release", "Inputs"));
     package.provenance = {{"program", "scree " + version()}, {"site", study.site.settings.name}};
     for (const std::string& line : study.inputs) package.provenance.push_back({"input", line});
-    std::vector<Figure> told = diagnose_figures(study);
-    if (auto along = where_along_path(study, model, observed))
-        told.insert(told.begin() + std::min<std::ptrdiff_t>(1, std::ssize(told)), std::move(*along));
-    const std::vector<Figure> consequences = consequence_figures(study, model, observed);
-    told.insert(told.end(), consequences.begin(), consequences.end());
-    const std::vector<Figure>& figures = told;
-    if (judged && !model.in_plane()) add_reach(package, model, study.campaign, "calibrated");
-    if (!consequences.empty() && !model.in_plane())
-        add_reach(package, model, study.answers.front().campaign, "extended");
+    const std::vector<Figure> figures = figures_of(study, model, observed);
+    if (judged && !model.in_plane()) {  // topmost first
+        if (const AnswerFit* answer = answer_on_blocks(study))
+            package.rasters.push_back(reach_raster(model, answer->campaign, "extended"));
+        package.rasters.push_back(reach_raster(model, study.campaign, "calibrated"));
+    }
     const auto chosen = [&](const CompareStudy& of, const CampaignResult& campaign, const char* prefix) {
         std::vector<Figure> list;
         for (Figure& f : compare_figures(of, model, observed, campaign))

@@ -19,39 +19,28 @@ constexpr double kShare = 0.95;                                                 
 constexpr double kWidth = 760.0, kPanel = 170.0, kGap = 64.0, kLeft = 74.0, kTop = 56.0;  // [pixel]
 constexpr const char* kBeforeColour = "#8c8c8c";
 
-/// The answer of which the consequences are told; null if there is none.
-const AnswerFit* told(const DiagnoseStudy& study) {
-    if (study.planning || study.answers.empty() || study.verdict == Verdict::Unknown) return nullptr;
-    const AnswerFit& a = study.answers.front();
-    const bool of_blocks = std::any_of(a.effects.begin(), a.effects.end(),
-                                       [](const AnsweredEffect& e) { return !e.candidate->measurement; });
-    return of_blocks ? &a : nullptr;
-}
-
 std::vector<AtScreen> at_screens(const DiagnoseStudy& study, const CampaignResult& campaign) {
-    struct Passing {
-        std::int64_t last = -1;  ///< block that passed last: parts of a screen count as one
-        std::vector<double> speed, energy, height;
-    };
-    std::vector<Passing> passing(study.screens.size());
-    for (const ScreenCrossing& c : campaign.crossings) {
-        Passing& p = passing[static_cast<std::size_t>(study.screen_of[static_cast<std::size_t>(c.screen)])];
-        if (p.last == c.block) continue;
-        p.last = c.block;
-        p.speed.push_back(c.velocity.norm());
-        p.energy.push_back(c.energy);
-        p.height.push_back(c.height);
+    std::vector<std::vector<const ScreenCrossing*>> first(study.screens.size());  // parts of a screen count as one
+    for (const ScreenCrossing& c : campaign.crossings) {                          // by block
+        auto& at = first[static_cast<std::size_t>(study.screen_of[static_cast<std::size_t>(c.screen)])];
+        if (at.empty() || at.back()->block != c.block)
+            at.push_back(&c);
+        else if (c.time < at.back()->time)
+            at.back() = &c;
     }
     std::vector<AtScreen> all;
-    for (Passing& p : passing) {
-        AtScreen& s = all.emplace_back();
-        s.passed =
-            static_cast<double>(p.speed.size()) / static_cast<double>(std::max<std::int64_t>(campaign.released, 1));
-        if (p.speed.empty()) continue;
-        for (std::vector<double>* values : {&p.speed, &p.energy, &p.height}) std::sort(values->begin(), values->end());
-        s.speed = sample_quantile(p.speed, kShare);
-        s.energy = sample_quantile(p.energy, kShare);
-        s.height = sample_quantile(p.height, kShare);
+    for (const auto& at : first) {
+        const auto high = [&](auto value) {
+            std::vector<double> values;
+            for (const ScreenCrossing* c : at) values.push_back(value(*c));
+            std::sort(values.begin(), values.end());
+            return values.empty() ? kNaN : sample_quantile(values, kShare);
+        };
+        all.push_back(
+            {static_cast<double>(at.size()) / static_cast<double>(std::max<std::int64_t>(campaign.released, 1)),
+             high([](const ScreenCrossing& c) { return c.velocity.norm(); }),
+             high([](const ScreenCrossing& c) { return c.energy; }),
+             high([](const ScreenCrossing& c) { return c.height; })});
     }
     return all;
 }
@@ -141,6 +130,14 @@ Figure along_profile(const DiagnoseStudy& study, const AnswerFit& answer, const 
 
 }  // namespace
 
+const AnswerFit* answer_on_blocks(const DiagnoseStudy& study) {
+    if (study.planning || study.answers.empty() || study.verdict == Verdict::Unknown) return nullptr;
+    const AnswerFit& a = study.answers.front();
+    const bool of_blocks = std::any_of(a.effects.begin(), a.effects.end(),
+                                       [](const AnsweredEffect& e) { return !e.candidate->measurement; });
+    return of_blocks ? &a : nullptr;
+}
+
 std::array<ChangedValue, 4> values_of(const ScreenChange& c) {
     return {{{"passed_percent", 100.0 * c.before.passed, 100.0 * c.after.passed},
              {"speed_p95_ms", c.before.speed, c.after.speed},
@@ -150,7 +147,7 @@ std::array<ChangedValue, 4> values_of(const ScreenChange& c) {
 
 std::vector<ScreenChange> changes_at_screens(const DiagnoseStudy& study) {
     std::vector<ScreenChange> changes;
-    const AnswerFit* answer = told(study);
+    const AnswerFit* answer = answer_on_blocks(study);
     if (!answer) return changes;
     const std::vector<AtScreen> before = at_screens(study, study.campaign), after = at_screens(study, answer->campaign);
     for (std::size_t s = 0; s < study.screens.size(); ++s) changes.push_back({study.screens[s], before[s], after[s]});
@@ -159,7 +156,7 @@ std::vector<ScreenChange> changes_at_screens(const DiagnoseStudy& study) {
 
 std::vector<Figure> consequence_figures(const DiagnoseStudy& study, const SiteModel& model,
                                         const ObservedSite& observed) {
-    const AnswerFit* answer = told(study);
+    const AnswerFit* answer = answer_on_blocks(study);
     if (!answer) return {};
     if (model.in_plane()) return {along_profile(study, *answer, model)};
     std::vector<Figure> maps{reach_map("calibrated model", model, observed, study.campaign),

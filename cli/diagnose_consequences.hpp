@@ -10,6 +10,9 @@
 
 namespace scree::cli {
 
+/// The best answer, if it acts on blocks and not on measurements; null if there is none.
+const AnswerFit* answer_on_blocks(const DiagnoseStudy& study);
+
 /// What a barrier at a screen is designed for, by one model; 95 % values of the blocks that pass, NaN where none does.
 struct AtScreen {
     double passed = 0.0;   ///< share of the blocks [-]
@@ -29,7 +32,7 @@ struct ChangedValue {
 };
 /// Share that passes [%], speed [m/s], energy [kJ], height [m].
 std::array<ChangedValue, 4> values_of(const ScreenChange& change);
-/// Of the best answer that acts on blocks and not on measurements; empty if there is none.
+/// Of answer_on_blocks; empty if there is none.
 std::vector<ScreenChange> changes_at_screens(const DiagnoseStudy& study);
 
 /// How many blocks come how far, before and after: curves along the profile with energies and heights in 2D, maps in 3D.

@@ -12,8 +12,6 @@ namespace {
 
 /// z of the difference between two effects at which one of them has almost all the weight: the likelihoods differ by exp(9/2) [-].
 constexpr double kToldApart = 3.0;
-/// z beyond the limit at which four of five effects are seen: the 80 % quantile of the normal distribution [-].
-constexpr double kFourOfFive = 0.8416;
 /// Many times the blocks of the test: nobody would throw so many [-].
 constexpr double kMostGrowth = 20.0;
 
@@ -21,8 +19,9 @@ double cosine(const Diagnosis& d, const EffectFinding& a, const EffectFinding& b
     return d.cosines(static_cast<Eigen::Index>(a.effect), static_cast<Eigen::Index>(b.effect));
 }
 
-bool is_seen(const Diagnosis& d, const EffectFinding& f, double growth) {
-    return f.smallest_seen <= 1.0 || f.visibility * std::sqrt(growth) >= d.test.z_limit + kFourOfFive;
+/// With `growth` times the blocks an effect is seen that is weaker by the root of that.
+bool is_seen(const EffectFinding& f, double growth) {
+    return f.smallest_seen <= std::sqrt(growth);
 }
 
 FurtherRow row_of(const std::string& name, const Diagnosis& d, double growth, const FurtherRow& planned,
@@ -30,7 +29,7 @@ FurtherRow row_of(const std::string& name, const Diagnosis& d, double growth, co
     FurtherRow row{name, 0, 0, {}};
     seen.clear();
     for (const EffectFinding& f : d.findings)
-        if (is_seen(d, f, growth)) seen.push_back(names[f.effect]);
+        if (is_seen(f, growth)) seen.push_back(names[f.effect]);
     row.seen = seen.size();
     for (std::size_t a = 0; a < d.findings.size(); ++a)
         for (std::size_t b = a + 1; b < d.findings.size(); ++b)

@@ -91,6 +91,7 @@ void print_diagnosis(std::ostream& out, const DiagnoseStudy& study) {
     }
     for (const std::string& remark : diagnose_remarks(study)) out << "=> " << remark << "\n";
 }
+
 std::string extended_toml(const DiagnoseStudy& study, const fs::path& to) {
     std::ostringstream text;
     text << "# By scree diagnose (scree " << version() << ", seed " << study.settings.seed << ").\n# "

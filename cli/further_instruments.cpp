@@ -12,23 +12,11 @@ namespace {
 struct Kind {
     Kinematic kinematic;
     const char* name;
+    double ObservedSettings::*error;
 };
-constexpr std::array kKinds{Kind{Kinematic::Speed, "speeds"}, Kind{Kinematic::Height, "heights"},
-                            Kind{Kinematic::Spin, "spins"}};
-
-double error_of(Kinematic kinematic, const ObservedSettings& errors) {
-    switch (kinematic) {
-        case Kinematic::Speed:
-            return errors.speed_error;
-        case Kinematic::Height:
-            return errors.height_error;
-        case Kinematic::Spin:
-            return errors.spin_error;
-        case Kinematic::Energy:
-            break;
-    }
-    return errors.energy_error_kj * 1e3;
-}
+constexpr std::array kKinds{Kind{Kinematic::Speed, "speeds", &ObservedSettings::speed_error},
+                            Kind{Kinematic::Height, "heights", &ObservedSettings::height_error},
+                            Kind{Kinematic::Spin, "spins", &ObservedSettings::spin_error}};
 
 }  // namespace
 
@@ -64,12 +52,16 @@ ObservedSite with_instruments(const ObservedSite& observed, std::span<const Furt
         passed.screen = screen;
         passed.position = c.position;
     }
-    for (const FurtherInstrument& instrument : instruments)
-        for (const Kinematic kinematic : instrument.kinematics)
-            for (ObservedCrossing& c : crossings) {
-                c.value[static_cast<std::size_t>(kinematic)] = 1.0;
-                c.error[static_cast<std::size_t>(kinematic)] = error_of(kinematic, errors);
-            }
+    for (const Kind& kind : kKinds) {
+        const auto adds = [&](const FurtherInstrument& i) {
+            return std::find(i.kinematics.begin(), i.kinematics.end(), kind.kinematic) != i.kinematics.end();
+        };
+        if (std::none_of(instruments.begin(), instruments.end(), adds)) continue;
+        for (ObservedCrossing& c : crossings) {
+            c.value[static_cast<std::size_t>(kind.kinematic)] = 1.0;
+            c.error[static_cast<std::size_t>(kind.kinematic)] = errors.*kind.error;
+        }
+    }
     return more;
 }
 
