@@ -20,13 +20,13 @@ constexpr double kWidth = 760.0, kPanel = 170.0, kGap = 64.0, kLeft = 74.0, kTop
 constexpr const char* kBeforeColour = "#8c8c8c";
 
 std::vector<AtScreen> at_screens(const DiagnoseStudy& study, const CampaignResult& campaign) {
-    std::vector<std::vector<const ScreenCrossing*>> first(study.screens.size());  // parts of a screen count as one
-    for (const ScreenCrossing& c : campaign.crossings) {                          // by block
-        auto& at = first[static_cast<std::size_t>(study.screen_of[static_cast<std::size_t>(c.screen)])];
-        if (at.empty() || at.back()->block != c.block)
-            at.push_back(&c);
-        else if (c.time < at.back()->time)
-            at.back() = &c;
+    std::vector<std::vector<const ScreenCrossing*>> first(study.screens.size());
+    const std::span<const ScreenCrossing> crossings = campaign.crossings;  // by block
+    for (std::size_t from = 0, to = 0; from < crossings.size(); from = to) {
+        while (to < crossings.size() && crossings[to].block == crossings[from].block) ++to;
+        const auto of_block = first_crossings(crossings.subspan(from, to - from), study.screen_of, first.size());
+        for (std::size_t s = 0; s < first.size(); ++s)
+            if (of_block[s]) first[s].push_back(of_block[s]);
     }
     std::vector<AtScreen> all;
     for (const auto& at : first) {

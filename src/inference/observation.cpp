@@ -177,19 +177,6 @@ KinematicValues kinematics_of(const ScreenCrossing& c) {
     return {c.measured_speed, c.height, c.spin, c.energy};
 }
 
-/// First crossing of each screen by one block, null where it has none. The parts of a screen count as one.
-std::vector<const ScreenCrossing*> first_crossings(std::span<const ScreenCrossing> of_block,
-                                                   const ObservationOperator& op) {
-    std::vector<const ScreenCrossing*> first(op.screens.size(), nullptr);
-    for (const ScreenCrossing& c : of_block) {
-        const std::int32_t screen = op.screen_of[static_cast<std::size_t>(c.screen)];
-        if (screen < 0) continue;
-        const ScreenCrossing*& known_first = first[static_cast<std::size_t>(screen)];
-        if (!known_first || c.time < known_first->time) known_first = &c;
-    }
-    return first;
-}
-
 /// Adds normal errors to what the screen would have seen. Speeds and the like stay positive; the numbers drawn do not depend on the values.
 KinematicValues seen_at_screen(const KinematicValues& exact, const ErrorModel& errors, std::int32_t block,
                                std::size_t screen, RandomStream& random) {
@@ -323,7 +310,7 @@ ObservationTable simulated_table(const CampaignResult& campaign, const Observati
         const double east = random.normal(), north = random.normal();
         write.stop(b.stop.head<2>() + error * Vec2(east, north), b.reason == StopReason::AtRest);
 
-        const auto crossings = first_crossings({first, next}, op);
+        const auto crossings = first_crossings({first, next}, op.screen_of, op.screens.size());
         for (std::size_t s = 0; s < crossings.size(); ++s) {
             const bool seen = crossings[s] && faults.records(crossings[s]->measured_speed);
             KinematicValues values = seen_at_screen(crossings[s] ? kinematics_of(*crossings[s]) : KinematicValues{},
@@ -334,6 +321,18 @@ ObservationTable simulated_table(const CampaignResult& campaign, const Observati
         }
     }
     return table;
+}
+
+std::vector<const ScreenCrossing*> first_crossings(std::span<const ScreenCrossing> of_block,
+                                                   std::span<const std::int32_t> screen_of, std::size_t screens) {
+    std::vector<const ScreenCrossing*> first(screens, nullptr);
+    for (const ScreenCrossing& c : of_block) {
+        const std::int32_t screen = screen_of[static_cast<std::size_t>(c.screen)];
+        if (screen < 0) continue;
+        const ScreenCrossing*& known_first = first[static_cast<std::size_t>(screen)];
+        if (!known_first || c.time < known_first->time) known_first = &c;
+    }
+    return first;
 }
 
 void shift_screens(std::span<const Effect> effects, const Axis& axis, CampaignInput& campaign) {

@@ -130,6 +130,11 @@ ObservationTable side_by_side(const ObservationTable& measured, std::int64_t thr
 ObservationTable simulated_table(const CampaignResult& campaign, const Observations& observations,
                                  const ObservationOperator& op, std::uint64_t seed);
 
+/// First crossing of each of so many screens by one block, null where it has none. `screen_of` each screen of the campaign, -1: none of them; the parts of a
+/// screen count as one.
+std::vector<const ScreenCrossing*> first_crossings(std::span<const ScreenCrossing> of_block,
+                                                   std::span<const std::int32_t> screen_of, std::size_t screens);
+
 /// Moves the screens of a campaign to where measurement effects of the kind screen_shift say that they stood: along the axis, in 2D along the profiles.
 void shift_screens(std::span<const Effect> effects, const Axis& axis, CampaignInput& campaign);
 
