@@ -117,7 +117,7 @@ void print_profiles(std::ostream& out, const SiteModel& m) {
             out << "               screen " << m.campaign.screens[static_cast<std::size_t>(mark.screen)].name
                 << " at s = " << fixed(mark.s, 1) << " m\n";
         for (std::size_t z = 0; z < m.campaign.deposit_zones.size(); ++z)
-            for (const Profile::Stretch& s :
+            for (const Stretch& s :
                  track.profile.inside(std::get<MultiPolygon>(m.deposit_zones->layer.features[z].geometry)))
                 out << "               deposit zone " << m.campaign.deposit_zones[z].name
                     << " from s = " << fixed(s.from, 1) << " to " << fixed(s.to, 1) << " m\n";

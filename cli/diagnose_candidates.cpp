@@ -12,9 +12,9 @@ namespace scree::cli {
 namespace {
 
 constexpr double kLeastRolling = 1e-3;  ///< of a patch, whose strength is a factor [m]
-constexpr std::size_t kStrips = 6;      ///< places along the path that a local effect is tried at [-]
 
-enum class Where { Everywhere, Soils, Strips, StripsOnly };
+/// Everywhere, on each soil besides, on a stretch of the path besides, or on one only.
+enum class Where { Everywhere, Soils, Stretch, StretchOnly };
 
 /// A way to search for an effect. The strength scales one parameter from where the effect vanishes to `reference` at strength 1.
 struct Search {
@@ -38,14 +38,14 @@ constexpr Search kSearches[] = {
     {"rolling_size", K::RollingSize, "exponent", 1.0, 3.0, Where::Everywhere, "more for large blocks"},
     {"rolling_size", K::RollingSize, "exponent", -1.0, 2.0, Where::Everywhere, "less for large blocks"},
     {"low_friction", K::LowFriction, "friction", 0.3, 3.0, Where::Soils, ""},
-    {"low_friction", K::LowFriction, "friction", 0.3, 3.0, Where::StripsOnly, ""},
+    {"low_friction", K::LowFriction, "friction", 0.3, 3.0, Where::StretchOnly, ""},
     {"roughness", K::Roughness, "amplitude", 0.05, 8.0, Where::Soils, ""},
-    {"soil_patch", K::SoilPatch, "rolling", 3.0, 4.0, Where::StripsOnly, "that holds blocks back"},
-    {"soil_patch", K::SoilPatch, "rolling", 1.0 / 3.0, 4.0, Where::StripsOnly, "that lets blocks run"},
+    {"soil_patch", K::SoilPatch, "rolling", 3.0, 4.0, Where::StretchOnly, "that holds blocks back"},
+    {"soil_patch", K::SoilPatch, "rolling", 1.0 / 3.0, 4.0, Where::StretchOnly, "that lets blocks run"},
     {"ground_drag", K::GroundDrag, "coefficient", 0.3, 30.0, Where::Soils, "linear"},
     {"ground_drag", K::GroundDragQuadratic, "coefficient", 0.03, 30.0, Where::Soils, "quadratic"},
     {"ground_drag", K::ScarDragReduced, "coefficient", 0.03, 30.0, Where::Everywhere, "scar"},
-    {"forest_drag", K::ForestDrag, "coefficient", 500.0, 6.0, Where::Strips, ""},
+    {"forest_drag", K::ForestDrag, "coefficient", 500.0, 6.0, Where::Stretch, ""},
     {"forest_drag", K::Trees, "density", 400.0, 6.0, Where::Everywhere, "single trees"},
     {"fragmentation", K::Fragmentation, "speed", 8.0, 3.0, Where::Everywhere, ""},
     {"release_motion", K::ReleaseMotion, "speed", 2.0, 4.0, Where::Everywhere, ""},
@@ -76,6 +76,13 @@ void force_in_contact(const scree_contact_state* state, scree_ground_drag_values
 
 void weaker_bounces(const scree_contact_state* state, scree_contact_law_values* law) {
     law->restitution *= std::max(0.0, 1.0 - state->number[0]);
+}
+
+/// To a decimetre.
+std::string metres(double chainage) {
+    std::ostringstream text;
+    text << std::round(10.0 * chainage) / 10.0;
+    return text.str();
 }
 
 std::string joined(const std::string& a, const std::string& b) {
@@ -115,11 +122,12 @@ public:
         weaker.most = 5.0;
         weaker.probe->own.contact_law = weaker_bounces;
         bounces.variants.push_back(weaker);
-        for (std::size_t k = 0; length_ > 0.0 && k < kStrips; ++k) add_strip(force(1.0, 0.0), k, stretches);
+        if (length_ > 0.0) stretches.variants.push_back(on_a_stretch(force(1.0, 0.0)));
         result_.candidates = {contact, all};
         if (std::any_of(s_.soils.begin(), s_.soils.end(), [](const Soil& soil) { return soil.restitution > 0.0; }))
             result_.candidates.push_back(bounces);
         if (!stretches.variants.empty()) result_.candidates.push_back(stretches);
+        result_.put_on = puts_on();
         return std::move(result_);
     }
 
@@ -142,6 +150,7 @@ public:
               "air_drag: a per cent of the weight at most",
               "broken_block: the place of the last impact of a simulated block is not kept"})
             result_.left_out.emplace_back(line);
+        result_.put_on = puts_on();
         return std::move(result_);
     }
 
@@ -217,7 +226,7 @@ private:
         if (k == K::HeightDatum && !measured(Quantity::Height)) return "no passing heights were measured";
         if (k == K::BlockShape && search.parameter == std::string("corners") && s_.shape != BlockShape::Hull)
             return "corners are fixed by blocks.shape";
-        if (search.where == Where::StripsOnly && !(length_ > 0.0)) return "no stops were measured along the path";
+        if (search.where == Where::StretchOnly && !(length_ > 0.0)) return "no stops were measured along the path";
         return {};
     }
 
@@ -236,7 +245,7 @@ private:
         v.reference = search.reference;
         v.most = search.most;
         v = v.on_ground(s_.soils);
-        if (search.where != Where::StripsOnly) to.variants.push_back(v);
+        if (search.where != Where::StretchOnly) to.variants.push_back(v);
         if (search.where == Where::Soils && s_.soils.size() > 1)
             for (std::size_t k = 0; k < s_.soils.size(); ++k) {
                 DiagnosisVariant on = v;
@@ -245,38 +254,33 @@ private:
                 on.label = joined(v.label, "on " + on.soil);
                 to.variants.push_back(on);
             }
-        if ((search.where == Where::Strips || search.where == Where::StripsOnly) && length_ > 0.0)
-            for (std::size_t k = 0; k < kStrips; ++k) add_strip(v, k, to);
+        if ((search.where == Where::Stretch || search.where == Where::StretchOnly) && length_ > 0.0)
+            to.variants.push_back(on_a_stretch(v));
     }
 
-    void add_strip(DiagnosisVariant v, std::size_t k, DiagnosisCandidate& to) const {
-        const double n = static_cast<double>(kStrips);
-        v.from = length_ * static_cast<double>(k) / n;
-        v.to = length_ * static_cast<double>(k + 1) / n;
-        std::ostringstream text;
-        text << "from " << std::lround(v.from) << " to " << std::lround(v.to) << " m";
-        v.label = joined(v.label, text.str());
-        v.place.limit_to({strip(v.from, v.to)});
-        v.ground = soil_at(0.5 * (v.from + v.to));
-        to.variants.push_back(v.on_ground(s_.soils));
+    DiagnosisVariant on_a_stretch(DiagnosisVariant v) const {
+        v.path = Stretch{0.0, length_};
+        return v;
     }
 
-    /// Across the whole terrain between two chainages.
-    Polygon strip(double from, double to) const {
+    /// Across the whole terrain between two chainages, on the ground in the middle.
+    std::function<DiagnosisVariant(const DiagnosisVariant&, const Stretch&)> puts_on() const {
         const GridShape& shape = model_.terrain.data.grid.shape;
         const double wide = shape.cell * static_cast<double>(shape.columns + shape.rows);
-        const Axis& axis = observed_.op.axis;
-        const Vec2 a = axis.point(from), b = axis.point(to), along = (b - a).normalized();
-        const Vec2 left(-along.y(), along.x());
-        return {{a - wide * left, b - wide * left, b + wide * left, a + wide * left}, {}};
-    }
-
-    SoilId soil_at(double chainage) const {
-        std::array<Vec3, 3> corners;
-        SoilId soil = 0;
-        const std::int64_t f = model_.terrain.surface->facet_at(observed_.op.axis.point(chainage));
-        if (f >= 0) model_.terrain.surface->facet(f, corners, soil);
-        return soil;
+        return [axis = observed_.op.axis, wide, surface = model_.terrain.surface.get(), soils = s_.soils](
+                   const DiagnosisVariant& variant, const Stretch& on) {
+            DiagnosisVariant v = variant;
+            v.path.reset();
+            v.on = on;
+            v.label = joined(v.label, "from " + metres(on.from) + " to " + metres(on.to) + " m");
+            const Vec2 a = axis.point(on.from), b = axis.point(on.to), along = (b - a).normalized();
+            const Vec2 left(-along.y(), along.x());
+            v.place.limit_to({{{a - wide * left, b - wide * left, b + wide * left, a + wide * left}, {}}});
+            std::array<Vec3, 3> corners;
+            const std::int64_t f = surface->facet_at(axis.point(on.middle()));
+            if (f >= 0) surface->facet(f, corners, v.ground);
+            return v.on_ground(soils);
+        };
     }
 
     const SiteSettings& s_;
@@ -326,7 +330,7 @@ std::vector<CandidateEffect> DiagnosisCatalogue::for_core() const {
     std::vector<CandidateEffect> list;
     for (const DiagnosisCandidate& c : candidates) {
         CandidateEffect e{c.name, c.measurement, {}};
-        for (const DiagnosisVariant& v : c.variants) e.variants.push_back({v.label, v.most});
+        for (const DiagnosisVariant& v : c.variants) e.variants.push_back({v.label, v.most, v.path});
         list.push_back(std::move(e));
     }
     return list;

@@ -5,6 +5,7 @@
 #include "scree/inference/diagnosis.hpp"
 
 #include <array>
+#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
@@ -21,8 +22,10 @@ struct DiagnosisVariant {
     double reference = 0.0;  ///< its value at strength 1; of a soil patch, as a share of `start` [*]
     double most = 3.0;       ///< largest strength that is searched [-]
     EffectPlace place;
-    std::string soil;               ///< name, for the site file; empty: all
-    double from = kNaN, to = kNaN;  ///< chainages along the axis of the observations that `place` lies between [m]
+    std::string soil;  ///< name, for the site file; empty: all
+    std::optional<Stretch>
+        path;  ///< it acts on some stretch of this, along the axis of the observations, which is to be found
+    std::optional<Stretch> on;  ///< the stretch that `place` is
 
     SoilId ground = 0;  ///< soil in the middle of `place`, which a soil patch changes
     std::optional<Effect>
@@ -47,6 +50,13 @@ struct DiagnosisCandidate {
 struct DiagnosisCatalogue {
     std::vector<DiagnosisCandidate> candidates;
     std::vector<std::string> left_out;  ///< "net: where one stands is known", a sentence each
+    /// A variant that has a path, on a stretch of it. Asks the terrain, which must live as long.
+    std::function<DiagnosisVariant(const DiagnosisVariant&, const Stretch&)> put_on;
+
+    DiagnosisVariant variant(std::size_t effect, std::size_t variant, const std::optional<Stretch>& on) const {
+        const DiagnosisVariant& v = candidates[effect].variants[variant];
+        return on ? put_on(v, *on) : v;
+    }
     std::vector<CandidateEffect> for_core() const;
 };
 
@@ -55,7 +65,7 @@ DiagnosisCatalogue make_candidates(const SiteFile& calibrated, const SiteModel& 
 
 /// Forces without a name, for what has none: they say in which phase of the motion, at which speeds, masses and places something is missing. As candidates:
 /// against the motion while the block touches the ground, growing with powers of speed and of mass (each of kSpeedPowers with each of kMassPowers); the same all
-/// the way, in flight as well, proportional to speed over mass; bounces that are weaker; and the first, proportional to the speed, on stretches of the path.
+/// the way, in flight as well, proportional to speed over mass; bounces that are weaker; and the first, proportional to the speed, on a stretch of the path.
 DiagnosisCatalogue make_forces(const SiteFile& calibrated, const SiteModel& model, const ObservedSite& observed);
 inline constexpr std::array kSpeedPowers{0.0, 1.0, 2.0};
 inline constexpr std::array kMassPowers{0.0, -0.5,

@@ -34,14 +34,23 @@ std::string best_of(std::vector<ForceWay> ways, double sign) {
     return text + " (z = " + short_number(sign * ways.front().z) + others + ")";
 }
 
-/// z of all ways of a force, those of candidates that were not tried empty.
+/// z of all ways and places of a force, those of candidates that were not tried empty.
 std::vector<double> force_z(const DiagnoseStudy& study, const std::string& name) {
     std::vector<double> z;
     Eigen::Index at = 0;
-    for (const DiagnosisCandidate& c : study.forces.candidates)
-        for (std::size_t v = 0; v < c.variants.size(); ++v, ++at)
-            if (c.name == name) z.push_back(study.by_force.score.z[at]);
+    for (const EffectDose& d : study.by_force.looked_at) {
+        if (study.forces.candidates[d.effect].name == name) z.push_back(study.by_force.score.z[at]);
+        ++at;
+    }
     return z;
+}
+
+/// The places that a force was tried on, in the same order.
+std::vector<Stretch> force_places(const DiagnoseStudy& study) {
+    std::vector<Stretch> places;
+    for (const EffectDose& d : study.by_force.looked_at)
+        if (d.on) places.push_back(*d.on);
+    return places;
 }
 
 }  // namespace
@@ -78,10 +87,9 @@ std::vector<std::string> force_sentences(const DiagnoseStudy& study) {
     if (masses > 1) sentences.push_back("it is " + best_of(of_masses, sign));
     if (stretches.empty()) return sentences;
     std::vector<ForceWay> places{{"all along the path", contact[masses]}};
-    for (std::size_t k = 0; k < stretches.size(); ++k) {
-        const DiagnosisVariant& v = study.forces.candidates.back().variants[k];
-        places.push_back({"from " + short_number(v.from) + " to " + short_number(v.to) + " m", stretches[k]});
-    }
+    const std::vector<Stretch> on = force_places(study);
+    for (std::size_t k = 0; k < stretches.size(); ++k)
+        places.push_back({"from " + short_number(on[k].from) + " to " + short_number(on[k].to) + " m", stretches[k]});
     const bool told =
         std::any_of(places.begin(), places.end(), [&](const ForceWay& w) { return sign * w.z >= kForceSeen; });
     if (told) sentences.push_back("it acts " + best_of(places, sign));

@@ -19,7 +19,7 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 Json finding_json(const DiagnoseStudy& study, const EffectFinding& f) {
-    const DiagnosisVariant& v = study.variant_of(f);
+    const DiagnosisVariant v = study.variant_of(f);
     Json json{{"effect", study.candidate_of(f).name},
               {"form", effect_info(v.kind).name},
               {"label", v.label},
@@ -28,7 +28,7 @@ Json finding_json(const DiagnoseStudy& study, const EffectFinding& f) {
               {"visibility_at_reference", f.visibility},
               {"reference", {{"parameter", v.parameter}, {"unit", unit_of(v)}, {"value", v.reference}}}};
     if (std::isfinite(f.smallest_seen)) {
-        const DiagnosisVariant& seen = study.candidate_of(f).variants[f.seen_variant];
+        const DiagnosisVariant seen = study.catalogue.variant(f.effect, f.seen_variant, f.seen_on);
         json["smallest_seen"] = {{"form", effect_info(seen.kind).name},
                                  {"label", seen.label},
                                  {"parameter", seen.parameter},
@@ -36,7 +36,7 @@ Json finding_json(const DiagnoseStudy& study, const EffectFinding& f) {
     } else {
         json["smallest_seen"] = nullptr;
     }
-    if (!std::isnan(v.from)) json["between_m"] = Json::array({v.from, v.to});
+    if (v.on) json["between_m"] = Json::array({v.on->from, v.on->to});
     if (f.finalist) {
         json["strength"] = f.strength;
         json["value"] = v.value(f.strength);
@@ -62,7 +62,10 @@ Json answer_json(const DiagnoseStudy& study, const AnswerFit& a, const AnsweredE
               {"weight", a.weight()},
               {"gap_fitted", a.model.result.best_fit.gap()},
               {"gap_over_all", a.study.overall.gap}};
-    if (!std::isnan(v.from)) json["between_m"] = Json::array({v.from, v.to});
+    if (v.on) {
+        json["between_m"] = Json::array({v.on->from, v.on->to});
+        json["middle_interval_95_m"] = ends_of(middle_interval(e));
+    }
     if (!study.baseline.result.folds.empty()) {
         json["held_out_loss"] = a.model.result.held_out.loss;
         json["held_out_gap"] = a.model.result.held_out.gap();
@@ -104,10 +107,10 @@ std::string diagnose_json(const DiagnoseStudy& study) {
     if (const std::vector<std::string> force = force_sentences(study); !force.empty()) {
         json["force"]["sentences"] = force;
         Eigen::Index at = 0;
-        for (const DiagnosisCandidate& c : study.forces.candidates)
-            for (const DiagnosisVariant& v : c.variants)
-                json["force"]["ways"].push_back(
-                    {{"phase", c.name}, {"way", v.label}, {"z", study.by_force.score.z[at++]}});
+        for (const EffectDose& w : study.by_force.looked_at)
+            json["force"]["ways"].push_back({{"phase", study.forces.candidates[w.effect].name},
+                                             {"way", study.forces.variant(w.effect, w.variant, w.on).label},
+                                             {"z", study.by_force.score.z[at++]}});
     }
     if (const std::vector<std::string> apart = telling_apart_sentences(study); !apart.empty())
         json["would_tell_apart"] = apart;

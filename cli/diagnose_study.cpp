@@ -138,9 +138,9 @@ public:
         DiagnosisCatalogue best;  // of every effect the variant that is seen first
         for (const DiagnosisCandidate& c : study_.catalogue.candidates) best.candidates.push_back(c);
         for (const EffectFinding& f : study_.diagnosis.findings)
-            best.candidates[f.effect].variants = {
-                study_.catalogue.candidates[f.effect]
-                    .variants[std::isfinite(f.smallest_seen) ? f.seen_variant : f.variant]};
+            best.candidates[f.effect].variants = {std::isfinite(f.smallest_seen)
+                                                      ? study_.catalogue.variant(f.effect, f.seen_variant, f.seen_on)
+                                                      : study_.variant_of(f)};
         try_instruments(as_given, best, further_instruments(in_.observed), study_.settings);
     }
 
@@ -179,7 +179,7 @@ private:
         std::vector<Effect> effects;
         for (const EffectDose& d : doses)
             effects.push_back(
-                catalogue.candidates[d.effect].variants[d.variant].on_ground(site.settings.soils).at(d.strength));
+                catalogue.variant(d.effect, d.variant, d.on).on_ground(site.settings.soils).at(d.strength));
         return effects;
     }
 
@@ -203,6 +203,7 @@ private:
             for (const EffectDose& d : task.effects) {
                 const DiagnosisVariant& v = catalogue.candidates[d.effect].variants[d.variant];
                 words << effect_info(v.kind).name << " " << v.label << " " << v.parameter << " " << d.strength << " ";
+                if (d.on) words << d.on->from << " " << d.on->to << " ";
             }
             words << task.seed << " " << task.repeats;
             if (auto kept = in_.store.find(words.str())) return kept;
@@ -407,7 +408,7 @@ SiteFile extended_site(const DiagnoseStudy& study, const AnswerFit& answer) {
         EffectSettings entry;
         entry.effect = e.variant.at(e.strength);
         entry.soil = e.variant.soil;
-        if (!std::isnan(e.variant.from)) {
+        if (e.variant.on) {
             entry.place.file = "results.gpkg";
             entry.place.layer = zone_name(k);
         }

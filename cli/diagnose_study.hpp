@@ -66,18 +66,16 @@ struct DiagnoseStudy {
     CompareStudy before;  ///< the calibrated model
     CampaignResult campaign;
     Diagnosis diagnosis;
-    Verdict verdict = Verdict::None;  ///< after the refits
-    std::vector<AnswerFit> answers;   ///< refitted, best first
-    DiagnosisCatalogue forces;        ///< without a name, tried where the verdict is UNKNOWN
-    Diagnosis by_force;  ///< z of each of their ways, in the order of candidates and variants; empty: not tried
+    Verdict verdict = Verdict::None;      ///< after the refits
+    std::vector<AnswerFit> answers;       ///< refitted, best first
+    DiagnosisCatalogue forces;            ///< without a name, tried where the verdict is UNKNOWN
+    Diagnosis by_force;                   ///< z of each of their ways and places (looked_at); empty: not tried
     std::vector<WithInstrument> further;  ///< of a plan or a group; of a group the first is the test as it was measured
     std::string demoted;  ///< why the verdict is weaker than the diagnosis alone has it; empty: it is not
     bool interrupted = false;
 
     const DiagnosisCandidate& candidate_of(const EffectFinding& f) const { return catalogue.candidates[f.effect]; }
-    const DiagnosisVariant& variant_of(const EffectFinding& f) const {
-        return catalogue.candidates[f.effect].variants[f.variant];
-    }
+    DiagnosisVariant variant_of(const EffectFinding& f) const { return catalogue.variant(f.effect, f.variant, f.on); }
 };
 
 /// Stage, simulations done and planned in it.

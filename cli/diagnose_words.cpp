@@ -16,6 +16,14 @@ constexpr std::size_t kMostSentences = 8;
 constexpr double kWorthSaying = 0.05;  // least weight of an effect that is said where none is an answer [-]
 constexpr double kInRange = 0.03;      // estimates nearer to an end of their range lie on its edge [-]
 
+/// 97.5 % quantile of the normal distribution [-].
+constexpr double kNinetyFive = 1.959964;
+
+/// To a decimetre.
+std::string metres_along(double chainage) {
+    return short_number(std::round(10.0 * chainage) / 10.0);
+}
+
 std::string with_unit(double value, const std::string& unit) {
     return short_number(value) + (unit == "-" ? "" : " " + unit);
 }
@@ -34,8 +42,22 @@ std::string variant_name(const DiagnosisVariant& v) {
 std::string strength_text(const AnsweredEffect& e) {
     const DiagnosisVariant& v = e.variant;
     const double a = v.value(e.interval.low), b = v.value(e.interval.high);
-    return v.parameter + " " + with_unit(v.value(e.strength), unit_of(v)) + " (95 %: " + short_number(std::min(a, b)) +
-           " to " + short_number(std::max(a, b)) + ")";
+    std::string text = v.parameter + " " + with_unit(v.value(e.strength), unit_of(v)) +
+                       " (95 %: " + short_number(std::min(a, b)) + " to " + short_number(std::max(a, b)) + ")";
+    if (v.on) {
+        const Interval middle = middle_interval(e);
+        text += ", its middle at " + metres_along(v.on->middle()) + " m (95 %: " + metres_along(middle.low) + " to " +
+                metres_along(middle.high) + ")";
+    }
+    return text;
+}
+
+Interval middle_interval(const AnsweredEffect& e) {
+    const double middle = e.variant.on->middle(),
+                 reach =
+                     kNinetyFive * (std::isfinite(e.finding.middle_deviation) ? e.finding.middle_deviation : kInfinity);
+    const Stretch& path = *e.candidate->variants[e.finding.variant].path;
+    return {std::max(middle - reach, path.from), std::min(middle + reach, path.to)};
 }
 
 std::string held_out_text(const CalibratedModel& m) {
@@ -43,9 +65,8 @@ std::string held_out_text(const CalibratedModel& m) {
 }
 
 std::string smallest_seen(const DiagnoseStudy& study, const EffectFinding& f) {
-    const DiagnosisCandidate& c = study.candidate_of(f);
     if (!std::isfinite(f.smallest_seen)) return "not visible";
-    const DiagnosisVariant& v = c.variants[f.seen_variant];
+    const DiagnosisVariant v = study.catalogue.variant(f.effect, f.seen_variant, f.seen_on);
     return variant_name(v) + ": " + v.parameter + " " + with_unit(v.value(f.smallest_seen), unit_of(v));
 }
 

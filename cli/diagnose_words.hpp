@@ -19,8 +19,10 @@ std::vector<std::string> diagnose_remarks(const DiagnoseStudy& study);
 const char* unit_of(const DiagnosisVariant& v);
 /// "ground_drag, linear, on loose waste".
 std::string variant_name(const DiagnosisVariant& v);
-/// "coefficient 0.31 1/s (95 %: 0.2 to 0.45)".
+/// "coefficient 0.31 1/s (95 %: 0.2 to 0.45)", and where its middle is if it acts on a stretch that was looked for.
 std::string strength_text(const AnsweredEffect& e);
+/// Where the middle of the stretch is with 95 % that an effect acts on [m].
+Interval middle_interval(const AnsweredEffect& e);
 /// Gap of what is fitted on blocks held out, "-" without folds.
 std::string held_out_text(const CalibratedModel& m);
 /// Smallest strength that four of five tests would see, "not visible" if none does.

@@ -30,7 +30,7 @@ Setting<EffectSettings> chainage(const char* key, bool last, const char* help) {
         help,
         [=, name = std::string("effect.") + key](EffectSettings& s, const toml::node& node, const std::string& where) {
             auto& reaches = s.effect.place.reaches;
-            if (!reaches) reaches = std::vector<Profile::Stretch>{{0.0, kInfinity}};
+            if (!reaches) reaches = std::vector<Stretch>{{0.0, kInfinity}};
             (last ? reaches->front().to : reaches->front().from) = read_number(node, where, name, kNotNegative);
         },
         [=](const EffectSettings& s) { return std::isfinite(at(s)) ? number_text(at(s)) : std::string(); }};

@@ -97,7 +97,7 @@ std::string text_of(const FieldValue& value) {
 Polylines stretches_in(const SiteModel& model, const MultiPolygon& area) {
     Polylines parts;
     for (const ProfileTrack& track : model.campaign.tracks)
-        for (const Profile::Stretch& s : track.profile.inside(area))
+        for (const Stretch& s : track.profile.inside(area))
             parts.push_back({line_between(track.profile, s.from, s.to), {}});
     return parts;
 }

@@ -65,7 +65,7 @@ void warn_of_effects_beside(SiteModel& model) {
             const double length = track.profile.length();
             longest = std::max(longest, length);
             const auto stretches = place.reaches ? *place.reaches : track.profile.inside(place.area->polygons);
-            for (const Profile::Stretch& r : stretches) met = met || (r.from < length && r.to > 0.0);
+            for (const Stretch& r : stretches) met = met || (r.from < length && r.to > 0.0);
         }
         if (met) continue;
         std::ostringstream text;

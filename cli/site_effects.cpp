@@ -68,7 +68,7 @@ void load_effects(const SiteFile& site, SiteTerrain& terrain) {
                              ": from and to are distances along a profile, for model.dimension = 2: give a file "
                              "of polygons or lines instead");
         if (effect.place.reaches && !info.limits.lines)
-            for (const Profile::Stretch& r : *effect.place.reaches)
+            for (const Stretch& r : *effect.place.reaches)
                 if (r.from > r.to) {
                     std::ostringstream text;
                     text << where << ": from = " << r.from << " m lies beyond to = " << r.to
@@ -120,7 +120,7 @@ std::string effect_text(const EffectSettings& effect) {
     if (!effect.soil.empty()) text << " on " << effect.soil;
     if (!effect.place.file.empty()) text << " at the features of " << effect.place.file;
     if (effect.effect.place.reaches)
-        for (const Profile::Stretch& r : *effect.effect.place.reaches) {
+        for (const Stretch& r : *effect.effect.place.reaches) {
             text << " from " << r.from;
             if (std::isfinite(r.to)) text << " to " << r.to;
             text << " m along the profile";

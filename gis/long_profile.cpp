@@ -67,7 +67,7 @@ private:
                    const std::string& name) {
         const double y = panel_.pixels.min.y() + depth;
         for (const DrawnArea& area : areas) {
-            for (const Profile::Stretch& s : profile_.inside(area.polygons)) {
+            for (const Stretch& s : profile_.inside(area.polygons)) {
                 const double from = panel_.at({s.from, 0.0}).x(), to = panel_.at({s.to, 0.0}).x();
                 svg_.segment({from, y}, {to, y}, {.stroke = colour, .width = 4.0});
                 for (const double end : {from, to})

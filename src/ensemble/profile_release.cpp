@@ -37,7 +37,7 @@ ProfileRelease::ProfileRelease(const FeatureLayer& layer, std::span<const Profil
         if (const auto* polygons = std::get_if<MultiPolygon>(&feature.geometry)) {
             std::vector<Span> spans;
             for (std::size_t k = 0; k < profiles.size(); ++k)
-                for (const Profile::Stretch& s : profiles[k].inside(*polygons)) spans.push_back({k, s.from, s.to});
+                for (const Stretch& s : profiles[k].inside(*polygons)) spans.push_back({k, s.from, s.to});
             for (const Span& span : spans)
                 for (double s = (std::floor(span.from / cell) + 0.5) * cell; s < span.to; s += cell)
                     if (s >= span.from) cells_.push_back({span.profile, s, feature.id});

@@ -97,7 +97,7 @@ std::vector<double> Profile::crossings(std::span<const Vec2> line) const {
     return found;
 }
 
-std::vector<Profile::Stretch> Profile::inside(const MultiPolygon& area) const {
+std::vector<Stretch> Profile::inside(const MultiPolygon& area) const {
     std::vector<double> cuts{0.0, length()};
     auto cut = [&](const Ring& ring) {
         Ring closed = ring;

@@ -31,6 +31,13 @@ struct Slopes {
 /// and its mean residual; `rows_over` measured rows per row of one simulation.
 Slopes slopes_of(Eigen::MatrixXd moved, Eigen::MatrixXd means, double rows_over);
 
+/// Places on a path that an effect is looked for at first, and parts of each at a closer look.
+inline constexpr std::size_t kStrips = 6, kPartsOfStrip = 3;
+/// Places that an effect is followed from at most [-].
+inline constexpr std::size_t kPlaces = 2;
+/// Lengths of a stretch that an effect acts on, least and most, as shares of the path [-].
+inline constexpr double kShortestShare = 0.02, kLongestShare = 0.5;
+
 /// A finalist that is no effect: the model itself.
 inline constexpr std::size_t kNoEffect = static_cast<std::size_t>(-1);
 /// One effect, or none, with its parameters, as far as it has been followed.
@@ -39,8 +46,11 @@ struct Hypothesis {
     Eigen::VectorXd parameters;
     double strength = 0.0;
     double strength_deviation = kNaN;
+    std::optional<Stretch> on;  ///< where the effect acts, if that is to be found
+    double middle_deviation = kNaN;
+    double length_deviation = kNaN;  ///< of its logarithm [-]
     std::vector<double> parameter_deviation;
-    Eigen::VectorXd step;  ///< of a survey around them, the strength's last
+    Eigen::VectorXd step;  ///< of a survey around all of them
     double q = kInfinity;  ///< what is left [-]
     double p = 0.0;
     bool from_given = false;  ///< followed from the parameters that the site was given
@@ -74,13 +84,16 @@ private:
     bool recentre();
     std::optional<Fingerprint> take_fingerprint(const EffectDose& dose, std::int64_t repeats);
     bool take_fingerprints();
+    bool visible(std::size_t fingerprint, const ScoreResult& score) const;
+    bool look_closer(Diagnosis& d);
     void judge(Diagnosis& d) const;
+    void find(Diagnosis& d) const;
     std::size_t fingerprint_of(const EffectFinding& f) const;
     std::vector<EffectFinding> findings(const ScoreResult& score, double z_limit) const;
     std::vector<Hypothesis> finalists(const std::vector<EffectFinding>& findings) const;
     /// Simulations all around a place, and what is measured seen from there.
     struct Survey {
-        Eigen::VectorXd at, step;  ///< parameters, then the strength if there is an effect; step in each of them
+        Eigen::VectorXd at, step;  ///< as `unknowns_of` has them; step in each of them
         Slopes slopes;
         ResidualRows rows;           ///< of all its simulations
         Eigen::MatrixXd covariance;  ///< of single rows
@@ -92,9 +105,16 @@ private:
     bool survey(Survey& s, std::size_t fingerprint, std::int64_t repeats);
     Box around(const Survey& s, std::size_t fingerprint, double steps) const;
     Eigen::VectorXd prior_of(std::size_t fingerprint) const;
+    /// Parameters; with an effect its strength; where its place is to be found the middle [m] and the logarithm of the length [ln m].
+    Eigen::VectorXd unknowns_of(const Hypothesis& h) const;
+    Eigen::Index count_of(std::size_t fingerprint) const {
+        return deviation_.size() + (fingerprint == kNoEffect ? 0 : variants_[fingerprint].on ? 3 : 1);
+    }
+    Eigen::VectorXd next_steps(const Survey& s, std::size_t fingerprint) const;
     void judge(Hypothesis& h, const Survey& s) const;
     Eigen::VectorXd within(Eigen::VectorXd at, std::size_t fingerprint) const;
     double most_of(std::size_t fingerprint) const;
+    const Stretch& path_of(std::size_t fingerprint) const;
     std::vector<EffectDose> dose_of(std::size_t fingerprint, const Eigen::VectorXd& at) const;
     std::optional<double> left_at(double strength, std::size_t fingerprint);
     std::optional<std::vector<Hypothesis>> strong_finalists();
@@ -103,23 +123,27 @@ private:
     /// For simulations that are many together, or a first look.
     std::int64_t half_repeats() const { return std::max<std::int64_t>(settings_.repeats / 2, 1); }
     bool rejected(const Diagnosis& d) const { return d.test.p <= settings_.level; }
+    /// By something that happens: before an instrument is blamed, the ground is asked from all sides.
     bool explained_by(std::span<const Hypothesis> followed) const {
-        return std::any_of(followed.begin(), followed.end(),
-                           [&](const Hypothesis& h) { return h.p > settings_.rejected; });
+        return std::any_of(followed.begin(), followed.end(), [&](const Hypothesis& h) {
+            return h.p > settings_.rejected && !problem_.effects[variants_[h.fingerprint].effect].measurement;
+        });
     }
     bool move_base(Diagnosis& d, const Hypothesis& without);
     bool settle_base(Diagnosis& d);
     bool follow_from_given(Diagnosis& d, std::vector<Hypothesis>& followed);
     void weigh(Diagnosis& d, std::vector<Hypothesis>& followed) const;
     void conclude(Diagnosis& d, std::vector<Hypothesis>& followed) const;
-    double goodness_of_fit(const Survey& survey, double left) const;
+    double goodness_of_fit(const Survey& survey, std::size_t fingerprint, double left) const;
 
     const DiagnosisProblem& problem_;
     const ObservationTable& measured_;
     const DiagnosisSettings& settings_;
     const DiagnosisSimulation& simulate_;
     const std::function<void(const DiagnosisProgress&)>& progress_;
-    std::vector<EffectDose> variants_;  ///< of all effects, at the reference strength
+    std::vector<EffectDose>
+        variants_;  ///< of all effects, at the reference strength; at the end places that a closer look has found
+    std::size_t planned_variants_ = 0;  ///< those before these: the measurements had no part in choosing them
     /// A simulation near a model, for derivatives.
     struct Nearby {
         Eigen::VectorXd parameters;

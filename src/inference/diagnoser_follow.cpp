@@ -16,13 +16,16 @@ namespace {
 constexpr double kLeastStrength = 0.01;
 /// Change of the misfit, minus twice a log-likelihood, that is noise; and how many surveys in a row without a larger one are the end [-].
 constexpr double kSettled = 3.0;
-constexpr int kWithoutBetter = 2;
+constexpr int kWithoutBetter = 2, kWithoutBetterPlace = 3;
 /// How far beyond a survey its derivatives are trusted [steps].
 constexpr double kTrust = 4.0;
 /// Sweeps over the coordinates of a quadratic problem [-].
 constexpr int kSweeps = 300;
 /// Step of the strength: z that it makes, share of the strength where that was scanned for, and share of the largest strength at most [-].
 constexpr double kStrengthStep = 1.5, kStrengthShare = 0.2, kMostStrengthStep = 0.25;
+/// Steps of a place: z that they make; of the middle at most and at least, of the length and of the path; of the logarithm of the length [-].
+constexpr double kPlaceStep = 1.5, kMostMiddleStep = 0.3, kLeastMiddleStep = 0.004, kMostLengthStep = 0.5,
+                 kLeastLengthStep = 0.1;
 /// Finalists that leave so much more than the best one at most are surveyed once more with it, by so many times the repeats [-].
 constexpr double kCloseRace = 10.0;
 constexpr std::int64_t kRaceRepeats = 2;
@@ -89,11 +92,12 @@ std::optional<std::vector<Hypothesis>> Diagnoser::strong_finalists() {
     for (const std::size_t k : order) {
         const std::size_t effect = variants_[k].effect;
         if (!(score.z[static_cast<Eigen::Index>(k)] > 0.0) || scanned.size() == kScanned) break;
-        if (!base_.test->fingerprints()[k].judged || scanned_of[effect] == kScannedOfOne) continue;
+        if (!visible(k, score) || scanned_of[effect] == kScannedOfOne) continue;
         ++scanned_of[effect];
         Hypothesis best;
         best.fingerprint = k;
         best.parameters = base_.parameters;
+        best.on = variants_[k].on;
         best.from_given = true;
         const double most = most_of(k);
         for (double strength = std::min(1.0, most);; strength = std::min(kGrow * strength, most)) {
@@ -116,9 +120,14 @@ std::optional<std::vector<Hypothesis>> Diagnoser::strong_finalists() {
     return chosen;
 }
 
-/// Simulations all around `at`, a step away in every direction; measured and simulated rows are seen in the residual space of all of them.
+/// Simulations all around `at`, a step away in every direction; measured and simulated rows are seen in the residual space of all of them. More directions
+/// share the rows of a survey of parameters and strength.
 bool Diagnoser::survey(Survey& s, std::size_t fingerprint, std::int64_t repeats) {
     const Eigen::Index count = base_.parameters.size();
+    const auto unknowns = static_cast<std::size_t>(s.at.size()),
+               usual = std::min(unknowns, static_cast<std::size_t>(count) + 1);
+    repeats = std::max<std::int64_t>(
+        repeats * static_cast<std::int64_t>(design_size(usual)) / static_cast<std::int64_t>(design_size(unknowns)), 1);
     const Eigen::MatrixXd signs = design_of(static_cast<std::size_t>(s.at.size()));
     Eigen::MatrixXd moved(signs.rows(), s.at.size());
     ObservationTable all;
@@ -161,6 +170,27 @@ Eigen::VectorXd Diagnoser::within(Eigen::VectorXd at, std::size_t fingerprint) c
     const Eigen::Index count = base_.parameters.size();
     at.head(count) = within_ranges(at.head(count));
     if (fingerprint != kNoEffect) at[count] = std::clamp(at[count], 0.0, most_of(fingerprint));
+    if (at.size() > count + 1) {
+        const Stretch& path = path_of(fingerprint);
+        at[count + 2] = std::clamp(at[count + 2], std::log(kShortestShare * path.length()),
+                                   std::log(kLongestShare * path.length()));
+        const double half = 0.5 * std::exp(at[count + 2]);
+        at[count + 1] = std::clamp(at[count + 1], path.from + half, path.to - half);
+    }
+    return at;
+}
+
+const Stretch& Diagnoser::path_of(std::size_t fingerprint) const {
+    const EffectDose& v = variants_[fingerprint];
+    return *problem_.effects[v.effect].variants[v.variant].path;
+}
+
+Eigen::VectorXd Diagnoser::unknowns_of(const Hypothesis& h) const {
+    Eigen::VectorXd at(count_of(h.fingerprint));
+    const Eigen::Index count = h.parameters.size();
+    at.head(count) = h.parameters;
+    if (at.size() > count) at[count] = h.strength;
+    if (at.size() > count + 1) at.tail(2) << h.on->middle(), std::log(h.on->length());
     return at;
 }
 
@@ -171,7 +201,14 @@ double Diagnoser::most_of(std::size_t fingerprint) const {
 
 std::vector<EffectDose> Diagnoser::dose_of(std::size_t fingerprint, const Eigen::VectorXd& at) const {
     if (fingerprint == kNoEffect) return {};
-    return {{variants_[fingerprint].effect, variants_[fingerprint].variant, at[base_.parameters.size()]}};
+    const Eigen::Index count = base_.parameters.size();
+    EffectDose dose = variants_[fingerprint];
+    dose.strength = at[count];
+    if (dose.on) {
+        const double half = 0.5 * std::exp(at[count + 2]);
+        dose.on = Stretch{at[count + 1] - half, at[count + 1] + half};
+    }
+    return {dose};
 }
 
 /// Low and high of a change of parameters and strength.
@@ -224,17 +261,21 @@ Diagnoser::Box Diagnoser::around(const Survey& s, std::size_t fingerprint, doubl
     return {within(s.at - steps * s.step, fingerprint) - s.at, within(s.at + steps * s.step, fingerprint) - s.at};
 }
 
-/// Inverse variances of the parameters before the test; the strength, if there is one, may be any.
+/// Inverse variances before the test, those of ranges; the strength, if there is one, may be any.
 Eigen::VectorXd Diagnoser::prior_of(std::size_t fingerprint) const {
-    Eigen::VectorXd prior = Eigen::VectorXd::Zero(deviation_.size() + (fingerprint == kNoEffect ? 0 : 1));
+    Eigen::VectorXd prior = Eigen::VectorXd::Zero(count_of(fingerprint));
     prior.head(deviation_.size()) = deviation_.array().square().inverse();
+    if (prior.size() > deviation_.size() + 1) {
+        const double length = path_of(fingerprint).length(), ratio = std::log(kLongestShare / kShortestShare);
+        prior.tail(2) << 12.0 / (length * length), 12.0 / (ratio * ratio);
+    }
     return prior;
 }
 
 /// What a hypothesis leaves at the best place among the simulations of a survey: what derivatives promise farther away often does not come true.
 void Diagnoser::judge(Hypothesis& h, const Survey& s) const {
     const LocalMisfit misfit(s, prior_of(h.fingerprint));
-    const Eigen::VectorXd by = misfit.best(around(s, h.fingerprint, 1.0)), to = s.at + by;
+    const Eigen::VectorXd by = misfit.best(around(s, h.fingerprint, 1.0)), to = within(s.at + by, h.fingerprint);
     const Eigen::Index count = deviation_.size();
     h.q = misfit.at(by);
     h.parameters = to.head(count);
@@ -244,16 +285,36 @@ void Diagnoser::judge(Hypothesis& h, const Survey& s) const {
     if (h.fingerprint == kNoEffect) return;
     h.strength = std::max(to[count], kLeastStrength * most_of(h.fingerprint));
     h.strength_deviation = misfit.deviation(count);
+    h.on = dose_of(h.fingerprint, to).front().on;
+    if (!h.on) return;
+    h.middle_deviation = misfit.deviation(count + 1);
+    h.length_deviation = misfit.deviation(count + 2);
 }
 
-/// Gauss-Newton on parameters and strength. Simulations are noisy, so that no two of them are compared on the way: every step comes from a survey of
+/// Steps of the next survey: of parameters and place such as would be told, of the strength as before.
+Eigen::VectorXd Diagnoser::next_steps(const Survey& s, std::size_t fingerprint) const {
+    const Eigen::Index count = deviation_.size();
+    Eigen::VectorXd step = s.step;
+    step.head(count) = telling_steps(s.slopes, s.covariance, s.observed.together);
+    if (step.size() <= count + 1) return step;
+    const Eigen::MatrixXd J = s.slopes.directions.rightCols(2);
+    const Eigen::LLT<Eigen::MatrixXd> factor(mean_covariance(s.covariance, s.observed.together));
+    const Eigen::ArrayXd telling =
+        kPlaceStep / J.cwiseProduct(factor.solve(J)).colwise().sum().transpose().array().max(1e-24).sqrt();
+    const double length = std::exp(s.at[count + 2]), least = kLeastMiddleStep * path_of(fingerprint).length();
+    step[count + 1] = std::clamp(telling[0], least, std::max(least, kMostMiddleStep * length));
+    step[count + 2] = std::clamp(telling[1], kLeastLengthStep, kMostLengthStep);
+    return step;
+}
+
+/// Gauss-Newton on parameters, strength and place. Simulations are noisy, so that no two of them are compared on the way: every step comes from a survey of
 /// simulations all around, in the residual space of these, and is limited to where they tell something; one that leaves more is taken back and halved.
 bool Diagnoser::follow(Hypothesis& h) {
     const bool any = h.fingerprint != kNoEffect;
     const Eigen::VectorXd prior = prior_of(h.fingerprint);
-    const Eigen::Index count = base_.parameters.size(), size = prior.size();  // the strength is the last
-    Eigen::VectorXd start = Eigen::VectorXd::Zero(size);
-    start.head(count) = base_.parameters;
+    const Eigen::Index count = base_.parameters.size(), size = prior.size();
+    h.parameters = base_.parameters;
+    Eigen::VectorXd start = base_.parameters;
     Survey s, best;
     s.at = start;
     s.step = base_.step;
@@ -265,22 +326,27 @@ bool Diagnoser::follow(Hypothesis& h) {
         const Fingerprint& f = base_.test->fingerprints()[h.fingerprint];
         const double seen = (*base_.test)(base_.observed).visibility[static_cast<Eigen::Index>(h.fingerprint)],
                      most = most_of(h.fingerprint);
+        s.at = start = unknowns_of(h);
         s.step.conservativeResize(size);
         s.step[count] = std::clamp(std::max(kStrengthStep / std::max(seen, 1e-9), kStrengthShare * h.strength),
                                    kLeastStrength * most, kMostStrengthStep * most);
-        s.at[count] = h.strength;
         s.slopes.directions.conservativeResize(Eigen::NoChange, size);
+        s.slopes.directions.rightCols(size - count).setZero();
         s.slopes.directions.col(count) = f.change;
+        if (h.on) s.step.tail(2) << kMostMiddleStep * h.on->length(), kMostLengthStep;
     }
     double trust = kTrust;
     const auto go = [&] {
         // what the simulations hardly tell apart stays where it is
         s.at += LocalMisfit(s, prior).best(around(s, h.fingerprint, trust), (trust * s.step).array().square().inverse(),
                                            start - s.at);
+        s.at = within(s.at, h.fingerprint);
     };
     if (!(h.strength > 0.0)) go();  // from the base, which is known; a strength that was scanned for is far from it
     h.q = kInfinity;
-    for (int round = 0, without_better = 0; round < settings_.rounds && without_better < kWithoutBetter; ++round) {
+
+    const int patience = h.on ? kWithoutBetterPlace : kWithoutBetter;
+    for (int round = 0, without_better = 0; round < settings_.rounds && without_better < patience; ++round) {
         if (!survey(s, h.fingerprint, half_repeats())) return false;
         Hypothesis here = h;
         judge(here, s);
@@ -289,7 +355,7 @@ bool Diagnoser::follow(Hypothesis& h) {
             const LocalMisfit misfit(s, prior);
             const double promised =
                 misfit.at(Eigen::VectorXd::Zero(size)) - misfit.at(misfit.best(around(s, h.fingerprint, trust)));
-            s.step.head(count) = telling_steps(s.slopes, s.covariance, s.observed.together);
+            s.step = next_steps(s, h.fingerprint);
             here.step = s.step;
             h = std::move(here);
             best = s;
@@ -300,7 +366,7 @@ bool Diagnoser::follow(Hypothesis& h) {
         }
         go();
     }
-    h.p = goodness_of_fit(best, h.q);
+    h.p = goodness_of_fit(best, h.fingerprint, h.q);
     return true;
 }
 
@@ -321,14 +387,13 @@ bool Diagnoser::decide_close_race(std::vector<Hypothesis>& followed) {
         bool more = true;
         for (int round = 0; round < kRaceRounds && more; ++round) {
             Survey s;
-            s.at.resize(h.step.size());
-            s.at << h.parameters, h.strength;
+            s.at = unknowns_of(h);
             s.step = h.step;
             if (!survey(s, h.fingerprint, kRaceRepeats * settings_.repeats)) return false;
             Hypothesis here = h;
             judge(here, s);
             if (!(here.q < h.q)) break;
-            here.p = goodness_of_fit(s, here.q);
+            here.p = goodness_of_fit(s, h.fingerprint, here.q);
             h = std::move(here);
             const LocalMisfit misfit(s, prior_of(h.fingerprint));
             more = misfit.at(misfit.best(around(s, h.fingerprint, kTrust))) < h.q - kSettled;
@@ -337,25 +402,18 @@ bool Diagnoser::decide_close_race(std::vector<Hypothesis>& followed) {
     return true;
 }
 
-/// How often as many rows of the simulations themselves leave as much, with parameters and strength free for them, too.
-double Diagnoser::goodness_of_fit(const Survey& survey, double left) const {
-    std::vector<Fingerprint> effect;
-    for (Eigen::Index k = deviation_.size(); k < survey.slopes.directions.cols(); ++k)
-        effect.push_back({survey.slopes.directions.col(k), kInfinity});
+/// How often as many rows of the simulations themselves leave as much, with parameters, strength and place free for them, too.
+double Diagnoser::goodness_of_fit(const Survey& survey, std::size_t fingerprint, double left) const {
     const ResidualRows& rows = survey.rows;
-    const ScoreTest own(survey.covariance, survey.slopes.directions.leftCols(deviation_.size()), deviation_,
-                        std::move(effect));
-    auto misfit = [&](const ResidualMean& r) {
-        const ScoreResult s = own(r);
-        return s.q - s.z.squaredNorm();
-    };
+    const ScoreTest own(survey.covariance, survey.slopes.directions,
+                        prior_of(fingerprint).array().inverse().sqrt().matrix(), {});
     std::int64_t at_least = 0;
     for (std::int64_t k = 0; k < kFitDraws; ++k) {
         RandomStream random(settings_.seed, static_cast<std::uint64_t>(k), RandomPurpose::Resampling);
         ResidualRows drawn(static_cast<Eigen::Index>(measured_.rows()), rows.cols());
         for (Eigen::Index i = 0; i < drawn.rows(); ++i)
             drawn.row(i) = rows.row(static_cast<Eigen::Index>(random.below(static_cast<std::uint64_t>(rows.rows()))));
-        if (misfit(mean_residual(drawn)) >= left) ++at_least;
+        if (own(mean_residual(drawn)).q >= left) ++at_least;
     }
     return static_cast<double>(at_least + 1) / static_cast<double>(kFitDraws + 1);
 }

@@ -41,6 +41,12 @@ Eigen::VectorXd to_vector(const std::vector<double>& values) {
     return Eigen::Map<const Eigen::VectorXd>(values.data(), static_cast<Eigen::Index>(values.size()));
 }
 
+/// From part number `from` to before part number `to` of so many.
+Stretch part_of(const Stretch& path, std::size_t from, std::size_t to, std::size_t parts) {
+    const double part = path.length() / static_cast<double>(parts);
+    return {path.from + part * static_cast<double>(from), path.from + part * static_cast<double>(to)};
+}
+
 /// By weight, then z.
 void sort(std::vector<EffectFinding>& findings) {
     std::stable_sort(findings.begin(), findings.end(), [](const EffectFinding& a, const EffectFinding& b) {
@@ -59,7 +65,13 @@ Diagnoser::Diagnoser(const DiagnosisProblem& problem, const ObservationTable& me
     base_.parameters = to_vector(problem.calibrated);
     deviation_ = (to_vector(problem.high) - to_vector(problem.low)) / std::sqrt(12.0);
     for (std::size_t e = 0; e < problem.effects.size(); ++e)
-        for (std::size_t v = 0; v < problem.effects[e].variants.size(); ++v) variants_.push_back({e, v, 1.0});
+        for (std::size_t v = 0; v < problem.effects[e].variants.size(); ++v) {
+            const std::optional<Stretch>& path = problem.effects[e].variants[v].path;
+            for (std::size_t k = 0; k < (path ? kStrips : 1); ++k)
+                variants_.push_back(
+                    {e, v, 1.0, path ? std::optional(part_of(*path, k, k + 1, kStrips)) : std::nullopt});
+        }
+    planned_variants_ = variants_.size();
     planned_ = kRecentrings + of_base() + settings.finalists * of_finalist();
 }
 
@@ -198,17 +210,88 @@ bool Diagnoser::take_fingerprints() {
     }
     base_.test.emplace(covariance, base_.slopes.directions, deviation_, std::move(fingerprints));
     const ScoreResult score = (*base_.test)(base_.observed);
-    for (std::size_t k = 0; k < variants_.size(); ++k) {
-        base_.test->judge(k, score.visibility[static_cast<Eigen::Index>(k)] * most_of(k) >= kLeastVisible);
+    for (std::size_t k = 0; k < variants_.size(); ++k) base_.test->judge(k, k < planned_variants_ && visible(k, score));
+    return true;
+}
+
+/// At the largest strength allowed.
+bool Diagnoser::visible(std::size_t fingerprint, const ScoreResult& score) const {
+    return score.visibility[static_cast<Eigen::Index>(fingerprint)] * most_of(fingerprint) >= kLeastVisible;
+}
+
+/// Where an effect acts that acts on a part of the path: fingerprints of short parts, one beside the other, add up to those of every stretch that is made of
+/// them. The stretches that explain most become variants. They were chosen by what is measured and have no part in the test.
+bool Diagnoser::look_closer(Diagnosis& d) {
+    constexpr std::size_t kParts = kStrips * kPartsOfStrip;
+    const Eigen::MatrixXd covariance = row_covariance(*base_.space);
+    std::vector<Fingerprint> all = base_.test->fingerprints();
+    for (std::size_t first = 0; first < planned_variants_; ++first) {
+        const EffectDose strip = variants_[first];
+        if (!strip.on ||
+            (first > 0 && variants_[first - 1].effect == strip.effect && variants_[first - 1].variant == strip.variant))
+            continue;
+        planned_ += kParts;
+        double known_z = 0.0;
+        std::vector<Fingerprint> parts;
+        for (std::size_t k = 0; k < kParts; ++k) {
+            const std::size_t whole = first + k / kPartsOfStrip;
+            const auto i = static_cast<Eigen::Index>(whole);
+            known_z = std::max(known_z, d.score.z[i]);
+            const double seen = std::max(d.score.visibility[i] / static_cast<double>(kPartsOfStrip), 1e-9);
+            const EffectDose dose{strip.effect, strip.variant, std::min(kModerate / seen, most_of(whole)),
+                                  part_of(path_of(whole), k, k + 1, kParts)};
+            auto fingerprint = take_fingerprint(dose, settings_.repeats);
+            if (!fingerprint) return false;
+            parts.push_back(std::move(*fingerprint));
+        }
+        std::vector<Fingerprint> stretches;
+        std::vector<Stretch> places;
+        for (std::size_t from = 0; from < kParts; ++from) {
+            Fingerprint sum{Eigen::VectorXd::Zero(covariance.rows()), 0.0};
+            double noise = 0.0;
+            for (std::size_t to = from + 1; to <= std::min(from + kParts / 2, kParts); ++to) {
+                sum.change += parts[to - 1].change;
+                noise += 1.0 / parts[to - 1].rows;
+                sum.rows = 1.0 / noise;
+                stretches.push_back(sum);
+                places.push_back(part_of(path_of(first), from, to, kParts));
+            }
+        }
+        const ScoreResult score = ScoreTest(covariance, base_.slopes.directions, deviation_, stretches)(base_.observed);
+        // the best one, and the best one of those that do not touch it
+        std::optional<Stretch> taken;
+        for (std::size_t place = 0; place < kPlaces; ++place) {
+            std::size_t best = places.size();
+            for (std::size_t k = 0; k < places.size(); ++k) {
+                const double z = score.z[static_cast<Eigen::Index>(k)];
+                if (taken && places[k].from < taken->to && taken->from < places[k].to) continue;
+                if (z > (taken ? 0.0 : known_z) &&
+                    (best == places.size() || z > score.z[static_cast<Eigen::Index>(best)]))
+                    best = k;
+            }
+            if (best == places.size()) break;
+            taken = places[best];
+            variants_.push_back({strip.effect, strip.variant, 1.0, places[best]});
+            stretches[best].judged = false;
+            all.push_back(stretches[best]);
+        }
     }
+    base_.test.emplace(covariance, base_.slopes.directions, deviation_, std::move(all));
+    find(d);
     return true;
 }
 
 void Diagnoser::judge(Diagnosis& d) const {
     d.residuals = base_.space->residuals();
+    d.test = global_test(*base_.test, (*base_.test)(base_.observed), NullRows(*base_.space, measured_), settings_.draws,
+                         settings_.level, settings_.seed);
+    find(d);
+}
+
+/// What the score says of every effect.
+void Diagnoser::find(Diagnosis& d) const {
     d.score = (*base_.test)(base_.observed);
-    d.test = global_test(*base_.test, d.score, NullRows(*base_.space, measured_), settings_.draws, settings_.level,
-                         settings_.seed);
+    d.looked_at = variants_;
     d.findings = findings(d.score, d.test.z_limit);
     const Eigen::MatrixXd cosines = base_.test->cosines(base_.observed.together);
     const auto at = [&](const EffectFinding& f) { return static_cast<Eigen::Index>(fingerprint_of(f)); };
@@ -223,7 +306,7 @@ void Diagnoser::judge(Diagnosis& d) const {
 
 std::size_t Diagnoser::fingerprint_of(const EffectFinding& f) const {
     const auto found = std::find_if(variants_.begin(), variants_.end(), [&](const EffectDose& v) {
-        return v.effect == f.effect && v.variant == f.variant;
+        return v.effect == f.effect && v.variant == f.variant && v.on == f.on;
     });
     return static_cast<std::size_t>(found - variants_.begin());
 }
@@ -240,22 +323,25 @@ std::vector<EffectFinding> Diagnoser::findings(const ScoreResult& score, double 
             if (variants_[k].effect != e) continue;
             const auto i = static_cast<Eigen::Index>(k);
             const auto better = [&](Eigen::Index a, Eigen::Index b) {  // what can be seen first
-                const bool seen_a = base_.test->fingerprints()[static_cast<std::size_t>(a)].judged,
-                           seen_b = base_.test->fingerprints()[static_cast<std::size_t>(b)].judged;
+                const bool seen_a = visible(static_cast<std::size_t>(a), score),
+                           seen_b = visible(static_cast<std::size_t>(b), score);
                 return seen_a != seen_b ? seen_a : score.z[a] > score.z[b];
             };
             if (at < 0 || better(i, at)) at = i;
+            if (k >= planned_variants_) continue;
             const double strength = (z_limit + kFourOfFive) / std::max(score.expected[i], 1e-9);
             const double most = problem_.effects[e].variants[variants_[k].variant].most;
             if (strength <= most && strength / most < seen) {  // in shares of what is allowed
                 seen = strength / most;
                 f.smallest_seen = strength;
                 f.seen_variant = variants_[k].variant;
+                f.seen_on = variants_[k].on;
             }
         }
         if (at < 0) continue;
         f.variant = variants_[static_cast<std::size_t>(at)].variant;
-        f.visible = base_.test->fingerprints()[static_cast<std::size_t>(at)].judged;
+        f.on = variants_[static_cast<std::size_t>(at)].on;
+        f.visible = visible(static_cast<std::size_t>(at), score);
         f.z = score.z[at];
         f.visibility = score.visibility[at];
         if (std::isinf(seen)) f.smallest_seen = kInfinity;
@@ -264,20 +350,31 @@ std::vector<EffectFinding> Diagnoser::findings(const ScoreResult& score, double 
     return all;
 }
 
-/// The best variant of every effect that comes near the best one, and of what looks like the best one.
+/// The best variant of every effect that comes near the best one; of what acts in a place the places that a closer look has found, too.
 std::vector<Hypothesis> Diagnoser::finalists(const std::vector<EffectFinding>& findings) const {
+    const ScoreResult score = (*base_.test)(base_.observed);
     std::vector<EffectFinding> visible;
     std::copy_if(findings.begin(), findings.end(), std::back_inserter(visible),
                  [](const EffectFinding& f) { return f.visible && f.z > 0.0; });
     std::stable_sort(visible.begin(), visible.end(),
                      [](const EffectFinding& a, const EffectFinding& b) { return a.z > b.z; });
+    if (visible.size() > settings_.finalists) visible.resize(settings_.finalists);
     std::vector<Hypothesis> chosen;
-    for (const EffectFinding& f : visible) {
-        if (chosen.size() == settings_.finalists || f.z < kFinalistShare * visible.front().z) break;
+    const auto choose = [&](std::size_t fingerprint) {
         Hypothesis h;
-        h.fingerprint = fingerprint_of(f);
+        h.fingerprint = fingerprint;
         h.parameters = base_.parameters;
+        h.on = variants_[fingerprint].on;
         chosen.push_back(std::move(h));
+    };
+    const auto near_best = [&](double z) { return z >= kFinalistShare * visible.front().z; };
+    for (const EffectFinding& f : visible) {
+        if (!near_best(f.z)) break;
+        const std::size_t best = fingerprint_of(f);
+        choose(best);
+        for (std::size_t k = planned_variants_; k < variants_.size(); ++k)
+            if (variants_[k].effect == f.effect && k != best && near_best(score.z[static_cast<Eigen::Index>(k)]))
+                choose(k);
     }
     return chosen;
 }
@@ -309,7 +406,7 @@ bool Diagnoser::settle_base(Diagnosis& d) {
     return move_base(d, without);
 }
 
-/// Where nothing that was followed could have produced the measurements: a calibration makes up for what is missing, with parameters at which the missing effect may be out of sight: a rolling resistance that grows with size
+/// Where nothing on the slope that was followed could have produced the measurements: a calibration makes up for what is missing, with parameters at which the missing effect may be out of sight: a rolling resistance that grows with size
 /// does nothing where none is left; or it has settled in the wrong valley. The same look again from the parameters that were given before the calibration.
 bool Diagnoser::follow_from_given(Diagnosis& d, std::vector<Hypothesis>& followed) {
     planned_ += of_base() + (1 + settings_.finalists) * of_finalist();
@@ -334,19 +431,30 @@ bool Diagnoser::follow_from_given(Diagnosis& d, std::vector<Hypothesis>& followe
     return decide_close_race(followed);
 }
 
-/// Posterior weights of the finalists: likelihood, times the price of the strength (Laplace's approximation with a prior that is flat over the
-/// allowed strengths) and of the choice among effects and variants. The calibrated model is weighed against the best of them by the z of its
-/// fingerprint, whose noise is that of one simulation and not of two; by what it leaves itself, once followed as effects are, where that is more beyond the
-/// noise of two; and by that alone where the effect was out of sight.
+/// Posterior weights of the finalists: likelihood, times the price of strength and place (Laplace's approximation with priors that are flat over the
+/// allowed strengths, the path, and the logarithm of the length; instruments that err by more than the reference strength are believed less and less) and of
+/// the choice among effects and variants. The calibrated model is weighed against the best of them by the z of its fingerprint, whose noise is that of one
+/// simulation and not of two; by what it leaves itself, once followed as effects are, where that is more beyond the noise of two; and by that alone where
+/// the effect was out of sight.
 void Diagnoser::weigh(Diagnosis& d, std::vector<Hypothesis>& followed) const {
     std::vector<double> log_weight;
     auto price = [&](const Hypothesis& h) {
         const EffectDose& v = variants_[h.fingerprint];
         const CandidateEffect& effect = problem_.effects[v.effect];
-        const double strength =
-            std::sqrt(2.0 * std::numbers::pi) * h.strength_deviation / effect.variants[v.variant].most;
-        return std::log(std::min(1.0, strength) * (1.0 - settings_.prior_none) /
-                        static_cast<double>(problem_.effects.size() * effect.variants.size()));
+        const auto share = [](double deviation, double range) {
+            return std::log(std::min(1.0, std::sqrt(2.0 * std::numbers::pi) * deviation / range));
+        };
+        double sum = share(h.strength_deviation, effect.variants[v.variant].most);
+        if (effect.measurement) {  // the integral of a normal likelihood over half a normal distribution
+            const double variance = 1.0 + h.strength_deviation * h.strength_deviation;
+            sum = std::log(std::min(1.0, 2.0 * h.strength_deviation / std::sqrt(variance))) -
+                  0.5 * h.strength * h.strength / variance;
+        }
+        if (h.on)
+            sum += share(h.middle_deviation, path_of(h.fingerprint).length()) +
+                   share(h.length_deviation, std::log(kLongestShare / kShortestShare));
+        return sum + std::log((1.0 - settings_.prior_none) /
+                              static_cast<double>(problem_.effects.size() * effect.variants.size()));
     };
     const auto log_of = [&](const Hypothesis& h) { return -0.5 * h.q + price(h); };
     std::stable_sort(followed.begin(), followed.end(),
@@ -377,6 +485,8 @@ void Diagnoser::weigh(Diagnosis& d, std::vector<Hypothesis>& followed) const {
                                          [&](const EffectFinding& x) { return x.effect == v.effect; });
         f.finalist = true;
         f.variant = v.variant;
+        f.on = followed[k].on;
+        f.middle_deviation = followed[k].middle_deviation;
         f.z = d.score.z[static_cast<Eigen::Index>(followed[k].fingerprint)];
         f.visibility = d.score.visibility[static_cast<Eigen::Index>(followed[k].fingerprint)];
         f.strength = followed[k].strength;
@@ -419,6 +529,7 @@ Diagnosis Diagnoser::run(Of of) {
     judge(d);
     if (measured && rejected(d) && !settle_base(d)) return d;
     std::vector<Hypothesis> followed;
+    if (measured && rejected(d) && !look_closer(d)) return d;
     if (measured && rejected(d)) followed = finalists(d.findings);
     for (Hypothesis& h : followed)
         if (!follow(h)) return d;

@@ -25,7 +25,7 @@ DiagnosisProblem with_effect(DiagnosisProblem problem, const EffectFinding& f) {
 }
 
 DiagnosisSimulation with_effect(const DiagnosisSimulation& simulate, const EffectFinding& f, double most) {
-    return [&simulate, dose = EffectDose{f.effect, f.variant, 0.0}, most](DiagnosisTask task) {
+    return [&simulate, dose = EffectDose{f.effect, f.variant, 0.0, f.on}, most](DiagnosisTask task) {
         EffectDose first = dose;
         first.strength = most * task.parameters.back();
         task.parameters.pop_back();

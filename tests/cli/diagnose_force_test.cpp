@@ -72,21 +72,43 @@ TEST(DiagnoseForce, MassesSayNothingWhereBlocksAreUnknown) {
     EXPECT_EQ(forces.candidates.back().name, kForceNames[3]);
 }
 
+TEST(DiagnoseForce, OnAStretchOfThePathItActsThereAndNowhereElse) {
+    ObservedSite observed = two_blocks();
+    observed.op.axis = Axis(std::vector<Vec2>{{2.0, 40.0}, {102.0, 40.0}});
+    const SiteFile site = read_site_file(test::quarry_a() / "site.toml", {});
+    const SiteModel model = load_site(site);
+    const DiagnosisCatalogue forces = make_forces(site, model, observed);
+    const std::size_t stretches = forces.candidates.size() - 1;
+    const DiagnosisVariant& anywhere = forces.candidates[stretches].variants.front();
+    EXPECT_EQ(anywhere.path, (Stretch{0.0, 88.0})) << "to the farthest stop";
+    const DiagnosisVariant v = forces.variant(stretches, 0, Stretch{20.03, 31.5});
+    EXPECT_EQ(v.label, "speed^1 mass^0, from 20 to 31.5 m");
+    EXPECT_EQ(v.on, (Stretch{20.03, 31.5}));
+    EXPECT_FALSE(v.path);
+    for (const double y : {5.0, 40.0, 75.0}) {
+        EXPECT_FALSE(v.place.covers(0, Vec2(22.0, y)));
+        EXPECT_TRUE(v.place.covers(0, Vec2(22.1, y)));
+        EXPECT_TRUE(v.place.covers(0, Vec2(33.4, y)));
+        EXPECT_FALSE(v.place.covers(0, Vec2(33.6, y)));
+    }
+}
+
 /// A study in which forces were tried, with these z in contact (power of speed by power of mass), all the way, and on two stretches.
 DiagnoseStudy tried(std::vector<double> contact, double all, std::vector<double> stretches) {
     DiagnoseStudy study;
     const auto add = [&](const char* name, const std::vector<double>& z) {
-        DiagnosisCandidate c{name, "", false, {}};
+        const std::size_t effect = study.forces.candidates.size();
+        study.forces.candidates.push_back({name, "", false, {}});
+        const bool on_stretches = name == kForceNames[3];
         for (std::size_t k = 0; k < z.size(); ++k) {
-            DiagnosisVariant v;
-            v.from = 30.0 * static_cast<double>(k);
-            v.to = v.from + 30.0;
-            c.variants.push_back(v);
+            const double from = 30.0 * static_cast<double>(k);
+            EffectDose dose{effect, on_stretches ? 0 : k, 1.0, {}};
+            if (on_stretches) dose.on = Stretch{from, from + 30.0};
+            study.by_force.looked_at.push_back(dose);
             Eigen::VectorXd& all_z = study.by_force.score.z;
             all_z.conservativeResize(all_z.size() + 1);
             all_z[all_z.size() - 1] = z[k];
         }
-        study.forces.candidates.push_back(std::move(c));
     };
     add(kForceNames[0], contact);
     add(kForceNames[1], {all});

@@ -53,6 +53,27 @@ TEST(DiagnoseWords, ANameThatWasTakenBack) {
               "predicted no better with ground_drag than without");
 }
 
+TEST(DiagnoseWords, AStrengthAndWhereItActs) {
+    DiagnosisCandidate patch{"soil_patch", "", false, {}};
+    DiagnosisVariant v;
+    v.kind = EffectKind::SoilPatch;
+    v.parameter = "rolling";
+    v.start = 0.05;
+    v.reference = 2.0;
+    v.path = Stretch{0.0, 120.0};
+    patch.variants.push_back(v);
+    AnsweredEffect e;
+    e.candidate = &patch;
+    e.variant = v;
+    e.variant.on = Stretch{29.24, 39.6};
+    e.strength = 1.0;
+    e.interval = {0.0, 2.0};
+    e.finding.middle_deviation = 1.5;
+    EXPECT_EQ(strength_text(e), "rolling 0.1 m (95 %: 0.05 to 0.2), its middle at 34.4 m (95 %: 31.5 to 37.4)");
+    e.finding.middle_deviation = kNaN;
+    EXPECT_EQ(strength_text(e), "rolling 0.1 m (95 %: 0.05 to 0.2), its middle at 34.4 m (95 %: 0 to 120)");
+}
+
 TEST(DiagnoseWords, NothingComesNear) {
     EXPECT_EQ(verdict_sentence(unknown({}, 1.0)),
               "UNKNOWN: something is missing (p = 0.002) that has no name in the catalogue");

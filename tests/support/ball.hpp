@@ -130,7 +130,7 @@ inline Effect effect_with(EffectKind kind, std::initializer_list<std::pair<const
 /// The effect between two values of x only.
 inline Effect between(Effect effect, double from, double to) {
     effect.place.limit_to({Polygon{{{from, -1e3}, {to, -1e3}, {to, 1e3}, {from, 1e3}}, {}}});
-    effect.place.reaches = std::vector<Profile::Stretch>{{from, to}};
+    effect.place.reaches = std::vector<Stretch>{{from, to}};
     return effect;
 }
 

@@ -103,7 +103,7 @@ TEST(EffectPlace, BordersAndLinesOnTheWay) {
     EXPECT_EQ(place.first_line(Vec2(1, 2), Vec2(1, 4)), kInfinity);
 
     using Chainage = Eigen::Matrix<double, 1, 1>;
-    place.reaches = std::vector<Profile::Stretch>{{2.0, 4.0}, {7.0, 8.0}};
+    place.reaches = std::vector<Stretch>{{2.0, 4.0}, {7.0, 8.0}};
     EXPECT_TRUE(place.covers(0, Chainage(3.0)));
     EXPECT_FALSE(place.covers(0, Chainage(5.0)));
     EXPECT_DOUBLE_EQ(place.first_border(Chainage(8.5), Chainage(3.5)), 0.1);

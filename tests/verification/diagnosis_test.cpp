@@ -15,7 +15,7 @@ namespace scree {
 namespace {
 
 constexpr std::size_t kBlocks = 50;
-enum Hidden : std::size_t { kSpeedCap, kMassTrend, kDepositAt50, kSpeedBias, kEffects };
+enum Hidden : std::size_t { kSpeedCap, kMassTrend, kDepositAt50, kSpeedBias, kHeldBack, kEffects };
 
 RandomStream stream(std::uint64_t seed, std::uint64_t number) {
     return {seed, number, RandomPurpose::Effect};
@@ -43,7 +43,12 @@ ObservationTable throw_blocks(const std::vector<ObservedBlock>& blocks, const Di
                  {Quantity::Speed, 1}};
     t.values.resize(t.columns.size());
     std::array<double, kEffects> dose{};
-    for (const EffectDose& d : task.effects) dose[d.effect] = d.strength;
+    Stretch held_on;
+    for (const EffectDose& d : task.effects) {
+        dose[d.effect] = d.strength;
+        if (d.effect == kHeldBack) held_on = *d.on;
+    }
+    const auto held_until = [&](double place) { return std::clamp(place - held_on.from, 0.0, held_on.length()); };
     for (std::int64_t k = 0; k < task.repeats; ++k) {
         for (std::size_t i = 0; i < blocks.size(); ++i) {
             RandomStream random = stream(task.seed, static_cast<std::uint64_t>(k) * 1000 + i);
@@ -52,9 +57,12 @@ ObservationTable throw_blocks(const std::vector<ObservedBlock>& blocks, const Di
             double stop = 50.0 - 3.0 * task.parameters[0] - 8.0 * task.parameters[1] + 1.6 * (first - 10.0) +
                           5.0 * random.normal();
             stop += 1.5 * dose[kMassTrend] * (std::log(blocks[i].mass) - 6.9);
+            stop -= 0.2 * dose[kHeldBack] * held_until(stop);
             const bool caught = random.uniform() < 0.2 * dose[kDepositAt50];
             if (caught && stop > 50.0 && stop < 58.0) stop = 50.0 + random.uniform();
             double second = 12.0 - 3.0 * task.parameters[1] + 0.5 * (first - 10.0) + random.normal();
+            first -= 0.1 * dose[kHeldBack] * held_until(38.0);
+            second -= 0.1 * dose[kHeldBack] * held_until(44.0);
             const double bias = 1.0 + 0.05 * dose[kSpeedBias];
             first = bias * first + 0.5 * random.normal();
             second = bias * second + 0.5 * random.normal();
@@ -184,6 +192,30 @@ TEST(Diagnosis, NamesWhatIsHidden) {
         EXPECT_GE(near, 6) << problem.effects[hidden].name;
         EXPECT_GE(covered, right - 2) << problem.effects[hidden].name;  // 95 %
     }
+}
+
+// Where an effect acts is found besides how strong it is: between the places where the first look looks, and narrower.
+TEST(Diagnosis, FindsWhereAnEffectActs) {
+    const auto blocks = blocks_of_test();
+    std::vector<CandidateEffect> effects = all_effects();
+    effects.push_back({"held back", false, {{"", 12.0, Stretch{0.0, 90.0}}}});
+    const DiagnosisProblem problem = problem_for(blocks, effects);
+    const Stretch hidden{39.5, 43.5};  // the strips of the first look end at 30, 45 and 60 m
+    int right = 0, near = 0, covered = 0;
+    for (std::uint64_t k = 0; k < 10; ++k) {
+        const ObservationTable table = measured(blocks, 700 + k, {{kHeldBack, 0, 7.0, hidden}});
+        const Diagnosis d = diagnosis_of(blocks, problem, table, k);
+        if (d.verdict != Verdict::Named || d.answer.size() != 1 || d.answer.front().effect != kHeldBack) continue;
+        ++right;
+        const EffectFinding& f = d.answer.front();
+        ASSERT_TRUE(f.on);
+        const double error = std::abs(f.on->middle() - hidden.middle());
+        near += error < 2.5;
+        covered += error < 1.96 * f.middle_deviation;
+    }
+    EXPECT_GE(right, 5);
+    EXPECT_GE(near, right - 1);
+    EXPECT_GE(covered, right - 1);
 }
 
 // Each of the two alone is rejected by its own simulations; both names are said together, and one of them alone is not enough.

@@ -123,8 +123,8 @@ struct EffectPlace {
     std::shared_ptr<const Area> area;  ///< in plan view; none: everywhere
     std::vector<Points> lines;         ///< of a net or berm in plan view; z is not used [m]
     Points points;                     ///< of trees in plan view, by x; along a profile (chainage, offset, -) [m]
-    std::optional<std::vector<Profile::Stretch>> reaches;  ///< along a profile; none: everywhere
-    std::vector<double> stations;                          ///< of a net or berm along a profile: chainages [m]
+    std::optional<std::vector<Stretch>> reaches;  ///< along a profile; none: everywhere
+    std::vector<double> stations;                 ///< of a net or berm along a profile: chainages [m]
 
     void limit_to(MultiPolygon polygons);
     void sort_points();  ///< by x: after points were added

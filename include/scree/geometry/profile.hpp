@@ -2,6 +2,7 @@
 #pragma once
 
 #include "scree/geometry/feature.hpp"
+#include "scree/geometry/stretch.hpp"
 #include "scree/geometry/types.hpp"
 
 #include <cstddef>
@@ -51,10 +52,6 @@ struct Profile {
     std::vector<double> crossings(std::span<const Vec2> line) const;
 
     /// A stretch of the profile.
-    struct Stretch {
-        double from = 0.0;  ///< [m]
-        double to = 0.0;    ///< [m]
-    };
     /// The stretches that lie in an area in plan (release area, deposit zone), ascending.
     std::vector<Stretch> inside(const MultiPolygon& area) const;
 

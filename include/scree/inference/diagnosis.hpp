@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include "scree/geometry/stretch.hpp"
 #include "scree/inference/discrepancy.hpp"
 #include "scree/inference/score_test.hpp"
 
@@ -24,16 +25,17 @@ namespace scree {
 /// data cannot tell apart, or none of them where the best one is rejected, too, or where the calibrated model remains a serious rival. Where one effect is
 /// not enough, the best ones become part of the model, and a second is looked for in the same way: at most two are named.
 
-/// One way in which an effect may act: a place, a sign, a parameter other than its strength.
+/// One way in which an effect may act: a sign, a parameter other than its strength.
 struct EffectVariant {
-    std::string label;  ///< "s = 40 to 50 m"; empty if there is one only
-    double most = 3.0;  ///< largest strength allowed, in units of the reference strength [-]
+    std::string label;                 ///< "that holds blocks back"; empty if there is one only
+    double most = 3.0;                 ///< largest strength allowed, in units of the reference strength [-]
+    std::optional<Stretch> path = {};  ///< it acts on a stretch of this, which is to be found; nothing: it is known
 };
 
 /// An effect that may be missing. At strength 0 it is absent.
 struct CandidateEffect {
     std::string name;          ///< as in the catalogue
-    bool measurement = false;  ///< acts on what is measured, not on what happens
+    bool measurement = false;  ///< acts on what is measured, not on what happens; beforehand about as strong as the reference at most
     std::vector<EffectVariant> variants;
 };
 
@@ -41,7 +43,8 @@ struct CandidateEffect {
 struct EffectDose {
     std::size_t effect = 0;  ///< index into the candidates
     std::size_t variant = 0;
-    double strength = 0.0;  ///< in units of the reference strength [-]
+    double strength = 0.0;           ///< in units of the reference strength [-]
+    std::optional<Stretch> on = {};  ///< where it acts, of a variant that has a path
     bool operator==(const EffectDose&) const = default;
 };
 
@@ -88,16 +91,19 @@ inline constexpr std::array<const char*, 5> kVerdictNames{"NONE", "NAMED", "GROU
 /// How an effect fared.
 struct EffectFinding {
     std::size_t effect = 0, variant = 0;  ///< the variant that explains most
+    std::optional<Stretch> on;            ///< and where
     bool visible = false;                 ///< at some strength that is allowed
     double z = kNaN;                      ///< of its fingerprint [-]
     double visibility = kNaN;             ///< z to expect at the reference strength [-]
     double smallest_seen =
         kNaN;  ///< strength that would be seen with a probability of 80 %; infinite if none of those allowed [-]
-    std::size_t seen_variant = 0;  ///< the variant that this strength is of
+    std::size_t seen_variant = 0;    ///< the variant that this strength is of
+    std::optional<Stretch> seen_on;  ///< and where
     // of finalists
     bool finalist = false;
     double strength = kNaN;                   ///< that explains most [-]
     double strength_deviation = kNaN;         ///< its standard deviation, the parameters being free [-]
+    double middle_deviation = kNaN;           ///< of the middle of `on`, all else being free [m]
     std::vector<double> parameters;           ///< with it [*]
     std::vector<double> parameter_deviation;  ///< their standard deviations, all else being free [*]
     double misfit = kNaN;                     ///< Q that is left [-]
@@ -116,6 +122,7 @@ struct Diagnosis {
         parameters;  ///< of the calibrated model that was tested, moved to where its residuals ask for [*]
     std::vector<Residual> residuals;
     ScoreResult score;
+    std::vector<EffectDose> looked_at;  ///< what each z of the score is of
     GlobalTest test;
     Eigen::MatrixXd cosines;  ///< between the effects' best variants, in the order of the candidates [-]
     std::int64_t simulated_blocks = 0;

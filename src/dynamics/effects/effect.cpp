@@ -54,7 +54,7 @@ bool EffectPlace::covers(int soil_there, const Vec2& plan) const {
 bool EffectPlace::covers(int soil_there, const Eigen::Matrix<double, 1, 1>& plan) const {
     if (soil >= 0 && soil != soil_there) return false;
     return !reaches || std::any_of(reaches->begin(), reaches->end(),
-                                   [&](const Profile::Stretch& r) { return plan[0] >= r.from && plan[0] <= r.to; });
+                                   [&](const Stretch& r) { return plan[0] >= r.from && plan[0] <= r.to; });
 }
 
 double EffectPlace::first_border(const Vec2& from, const Vec2& to) const {
@@ -64,7 +64,7 @@ double EffectPlace::first_border(const Vec2& from, const Vec2& to) const {
 double EffectPlace::first_border(const Eigen::Matrix<double, 1, 1>& from, const Eigen::Matrix<double, 1, 1>& to) const {
     double first = kInfinity;
     if (!reaches) return first;
-    for (const Profile::Stretch& r : *reaches)
+    for (const Stretch& r : *reaches)
         first = std::min({first, meeting(from[0], to[0], r.from), meeting(from[0], to[0], r.to)});
     return first;
 }
