@@ -129,8 +129,9 @@ void add_options(CLI::App& sub, const Command& command, Context& context) {
             "Nothing is measured yet: what a test of release.count blocks, such as --set release.count=50, with "
             "these instruments could see, and what to measure in addition");
         sub.add_option("--instruments", context.instruments,
-                       "With --plan, what would be measured of each block: stops, and at the screens speed, height, "
-                       "spin (default stops,speed)")
+                       "With --plan, what would be measured of each block: stops, at the screens speed, height, "
+                       "spin, and the speeds before and after its first three impacts (default stops,speed; all: "
+                       "stops,speed,height,spin,impacts)")
             ->type_name("LIST");
     }
     if (name == "sweep")

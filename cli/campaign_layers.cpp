@@ -176,6 +176,7 @@ gis::VectorLayer screen_crossings(const SiteModel& model, const CampaignResult& 
     add_plane_fields(model, layer.data.fields, {real("s_m", "Chainage s [m]")});
     std::int64_t id = 0;
     for (const ScreenCrossing& c : result.crossings) {
+        if (static_cast<std::size_t>(c.screen) >= model.campaign.screens.size()) continue;  // an impact
         const BlockResult& b = result.blocks[static_cast<std::size_t>(c.block)];
         Feature f;
         f.id = ++id;

@@ -153,6 +153,8 @@ std::string column_name(const ObservationOperator& op, const Column& column) {
             return at_screen("spin at ");
         case Quantity::Energy:
             return at_screen("energy at ");
+        case Quantity::Rise:
+            return at_screen("rise at ");
         case Quantity::InZone:
             return "at rest in " + op.zones[static_cast<std::size_t>(column.place)];
     }

@@ -150,7 +150,8 @@ std::vector<ScreenChange> changes_at_screens(const DiagnoseStudy& study) {
     const AnswerFit* answer = answer_on_blocks(study);
     if (!answer) return changes;
     const std::vector<AtScreen> before = at_screens(study, study.campaign), after = at_screens(study, answer->campaign);
-    for (std::size_t s = 0; s < study.screens.size(); ++s) changes.push_back({study.screens[s], before[s], after[s]});
+    for (std::size_t s = 0; s + 2 * study.impacts < study.screens.size(); ++s)
+        changes.push_back({study.screens[s], before[s], after[s]});
     return changes;
 }
 

@@ -94,14 +94,16 @@ public:
     void try_instruments(const CalibratedModel& model, const DiagnosisCatalogue& catalogue,
                          const std::vector<FurtherInstrument>& instruments, const DiagnosisSettings& settings) {
         if (instruments.empty()) return;
-        const SiteFile site = test_.site_at(model.point);
-        const CampaignResult once = test_.run(site, study_.settings.seed, 1);
+        ObservedSite filmed = in_.observed;
+        for (const FurtherInstrument& i : instruments) filmed.op.add_impacts(i.impacts);
+        const FieldTest test(in_.site, in_.model, filmed, study_.keys, in_.threads);
+        const CampaignResult once = test.run(test.site_at(model.point), study_.settings.seed, 1);
         study_.interrupted = once.interrupted;
         if (study_.interrupted) return;
-        const ObservedSite all = with_instruments(in_.observed, instruments, once, in_.site.settings.observed);
+        const ObservedSite all = with_instruments(filmed, instruments, once, in_.site.settings.observed);
         const ObservationTable would_be =
             side_by_side(measured_table(all.observations, all.op), all.observations.thrown);
-        const DiagnosisSimulation simulated = simulation(model, catalogue, all, "with all instruments ");
+        const DiagnosisSimulation simulated = simulation(model, catalogue, test, all, "with all instruments ");
         for (const FurtherInstrument& instrument : instruments) {
             Diagnosis plan = scree::plan_test(
                 problem(model, catalogue), with_one_instrument(would_be, in_.observed, instrument), settings,
@@ -184,12 +186,12 @@ private:
     }
 
     DiagnosisSimulation simulation(const CalibratedModel& model, const DiagnosisCatalogue& catalogue) const {
-        return simulation(model, catalogue, in_.observed, "");
+        return simulation(model, catalogue, test_, in_.observed, "");
     }
     /// As `observed` would have measured it, which `how` says in words. Whoever asks the same again gets it from disc.
     DiagnosisSimulation simulation(const CalibratedModel& model, const DiagnosisCatalogue& catalogue,
-                                   const ObservedSite& observed, const std::string& how) const {
-        return [this, &catalogue, &observed, how,
+                                   const FieldTest& test, const ObservedSite& observed, const std::string& how) const {
+        return [this, &catalogue, &test, &observed, how,
                 levels = model.point.levels](const DiagnosisTask& task) -> std::optional<ObservationTable> {
             std::ostringstream words;
             words.precision(17);
@@ -209,7 +211,7 @@ private:
             if (auto kept = in_.store.find(words.str())) return kept;
             const SiteFile site = test_.site_at(point);
             const std::vector<Effect> effects = effects_of(task.effects, catalogue, site);
-            const CampaignResult campaign = test_.run(site, task.seed, task.repeats, effects);
+            const CampaignResult campaign = test.run(site, task.seed, task.repeats, effects);
             if (campaign.interrupted) return std::nullopt;
             ObservationTable table =
                 simulated_table(campaign, observed.observations, with_faults(observed, effects).op, task.seed);
@@ -383,6 +385,7 @@ void run_study(const DiagnoseInput& input, DiagnoseStudy& study) {
     study.audit = input.observed.findings;
     study.blocks = measured_blocks(input.observed.observations);
     study.screens = input.observed.op.screens;
+    study.impacts = input.observed.op.impacts;
     study.screen_of = input.observed.op.screen_of;
     study.in_plane = input.model.in_plane();
     if (input.observed.has_errors()) {
@@ -396,6 +399,7 @@ void plan_study(const DiagnoseInput& input, DiagnoseStudy& study) {
     study.planning = true;
     study.blocks = measured_blocks(input.observed.observations);
     study.screens = input.observed.op.screens;
+    study.impacts = input.observed.op.impacts;
     study.screen_of = input.observed.op.screen_of;
     study.in_plane = input.model.in_plane();
     Runner(input, study).plan_test();

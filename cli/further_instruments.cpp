@@ -22,12 +22,15 @@ constexpr std::array kKinds{Kind{Kinematic::Speed, "speeds", &ObservedSettings::
 
 std::vector<FurtherInstrument> further_instruments(const ObservedSite& observed) {
     std::vector<FurtherInstrument> all;
-    if (observed.op.screens.empty()) return all;
+    const ObservationOperator& op = observed.op;
+    const bool screens = op.screens.size() > 2 * op.impacts;
     FurtherInstrument together;
     for (const Kind& kind : kKinds) {
         const auto& seen = observed.observations.crossings;
         const auto k = static_cast<std::size_t>(kind.kinematic);
-        if (std::any_of(seen.begin(), seen.end(), [&](const ObservedCrossing& c) { return std::isfinite(c.value[k]); }))
+        if (!screens || std::any_of(seen.begin(), seen.end(), [&](const ObservedCrossing& c) {
+                return !op.is_impact(c.screen) && std::isfinite(c.value[k]);
+            }))
             continue;
         all.push_back({std::string(kind.name) + " at the screens", {kind.kinematic}});
         together.name += (together.name.empty() ? "" : " and ") + std::string(kind.name);
@@ -35,6 +38,8 @@ std::vector<FurtherInstrument> further_instruments(const ObservedSite& observed)
     }
     together.name += " at the screens";
     if (all.size() > 1) all.push_back(together);
+    if (op.impacts == 0)
+        all.push_back({"films of the first " + std::to_string(kPlannedImpacts) + " impacts", {}, kPlannedImpacts});
     return all;
 }
 
@@ -46,7 +51,7 @@ ObservedSite with_instruments(const ObservedSite& observed, std::span<const Furt
     for (const ObservedCrossing& c : crossings) saw[static_cast<std::size_t>(c.screen)] = true;
     for (const ScreenCrossing& c : once.crossings) {
         const std::int32_t screen = observed.op.screen_of[static_cast<std::size_t>(c.screen)];
-        if (saw[static_cast<std::size_t>(screen)]) continue;
+        if (screen < 0 || saw[static_cast<std::size_t>(screen)]) continue;
         ObservedCrossing& passed = crossings.emplace_back();
         passed.block = observed.observations.matched ? static_cast<std::int32_t>(c.block) : -1;
         passed.screen = screen;
@@ -58,8 +63,16 @@ ObservedSite with_instruments(const ObservedSite& observed, std::span<const Furt
         };
         if (std::none_of(instruments.begin(), instruments.end(), adds)) continue;
         for (ObservedCrossing& c : crossings) {
+            if (observed.op.is_impact(c.screen)) continue;
             c.value[static_cast<std::size_t>(kind.kinematic)] = 1.0;
             c.error[static_cast<std::size_t>(kind.kinematic)] = errors.*kind.error;
+        }
+    }
+    for (ObservedCrossing& c : crossings) {
+        if (!observed.op.is_impact(c.screen) || saw[static_cast<std::size_t>(c.screen)]) continue;
+        for (const Kinematic k : {Kinematic::Speed, Kinematic::Rise}) {
+            c.value[static_cast<std::size_t>(k)] = 1.0;
+            c.error[static_cast<std::size_t>(k)] = errors.speed_error;
         }
     }
     return more;
@@ -70,6 +83,7 @@ ObservationTable with_one_instrument(const ObservationTable& table, const Observ
     const std::vector<Column> without = observed_columns(observed.observations, observed.op);
     const auto kept = [&](const Column& c) {
         if (std::find(without.begin(), without.end(), c) != without.end()) return true;
+        if (c.place >= static_cast<std::int32_t>(observed.op.screens.size())) return instrument.impacts > 0;
         if (c.quantity == Quantity::Passed) return !instrument.kinematics.empty();
         return std::any_of(instrument.kinematics.begin(), instrument.kinematics.end(),
                            [&](Kinematic k) { return quantity_of(static_cast<std::size_t>(k)) == c.quantity; });

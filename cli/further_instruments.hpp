@@ -10,17 +10,21 @@
 
 namespace scree::cli {
 
-/// One more kind of value, or several, that a field test could measure at its screens.
+/// One more kind of value, or several, that a field test could measure at its screens; or films of the first impacts of each block.
 struct FurtherInstrument {
     std::string name;  ///< "heights at the screens"
     std::vector<Kinematic> kinematics;
+    std::size_t impacts = 0;
 };
+/// Impacts of a block that a plan takes to be filmed [-].
+inline constexpr std::size_t kPlannedImpacts = 3;
 
-/// Speeds, heights and spins of which the test has none, each for itself and all together; nothing where the site has no screens.
+/// Speeds, heights and spins of which the test has none, each for itself and all together, where the site has screens; and impacts.
 std::vector<FurtherInstrument> further_instruments(const ObservedSite& observed);
 
 /// The test as if all of them had been measured, with the errors of [observed], wherever a block was seen; and, at screens that saw nothing, of the blocks
-/// that pass in `once`, a campaign of the test in which every block was thrown once. The values say only that there is one.
+/// that pass in `once`, a campaign of the test in which every block was thrown once. `observed` has the impacts of all instruments added, and `once` has
+/// kept them. The values say only that there is one.
 ObservedSite with_instruments(const ObservedSite& observed, std::span<const FurtherInstrument> instruments,
                               const CampaignResult& once, const ObservedSettings& errors);
 

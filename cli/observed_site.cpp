@@ -2,6 +2,7 @@
 #include "cli/observed_site.hpp"
 
 #include "cli/commands.hpp"
+#include "cli/further_instruments.hpp"
 #include "cli/progress.hpp"
 #include "gis/observation_reader.hpp"
 #include "scree/base/error.hpp"
@@ -95,6 +96,7 @@ public:
         name_blocks();
         add_stops();
         add_crossings();
+        add_impacts();
         add_shares();
         add_releases();
         decide_matching();
@@ -119,6 +121,7 @@ private:
     void name_blocks() {
         for (const gis::StopRecord& r : records_.stops) index_.try_emplace(r.body.id);
         for (const gis::CrossingRecord& r : records_.crossings) index_.try_emplace(r.body.id);
+        for (const gis::ImpactRecord& r : records_.impacts) index_.try_emplace(r.body.id);
         index_.erase("");
         for (auto& [id, number] : index_) {
             number = static_cast<std::int32_t>(result_.observations.blocks.size());
@@ -161,9 +164,10 @@ private:
             c.block = block_of(r.body);
             c.screen = find_name(result_.op.screens, r.screen);
             c.position = r.position;
-            c.value = {r.speed, r.height, r.spin, kJoulePerKj * r.energy};
+            c.value = {r.speed, r.height, r.spin, kJoulePerKj * r.energy, r.rise};
             c.error = {stated(r.speed_error, s_.speed_error), stated(r.height_error, s_.height_error),
-                       stated(r.spin_error, s_.spin_error), kJoulePerKj * stated(r.energy_error, s_.energy_error_kj)};
+                       stated(r.spin_error, s_.spin_error), kJoulePerKj * stated(r.energy_error, s_.energy_error_kj),
+                       stated(r.rise_error, s_.speed_error)};
             if (c.screen < 0)
                 unknown.insert(r.screen);
             else
@@ -174,6 +178,27 @@ private:
         find(Severity::Error, "unknown_screen",
              "the observations name screens that the site does not have (" + listed(unknown) + "); it has " +
                  (known.empty() ? "none: add [screens] to the site file" : listed(known)));
+    }
+
+    /// As what screens see that stand where an impact begins and ends.
+    void add_impacts() {
+        std::int64_t most = 0;
+        for (const gis::ImpactRecord& r : records_.impacts) most = std::max(most, r.impact);
+        const auto screens = static_cast<std::int64_t>(result_.op.screens.size());
+        result_.op.add_impacts(static_cast<std::size_t>(most));
+        for (const gis::ImpactRecord& r : records_.impacts) {
+            const std::int32_t block = block_of(r.body);
+            for (const gis::ImpactEnd* end : {&r.before, &r.after}) {
+                ObservedCrossing c;
+                c.row = r.row;
+                c.block = block;
+                c.screen = static_cast<std::int32_t>(screens + 2 * (r.impact - 1) + (end == &r.after ? 1 : 0));
+                c.value = {end->speed, kNaN, end->spin, kNaN, end->rise};
+                c.error = {stated(r.speed_error, s_.speed_error), 0.0, stated(r.spin_error, s_.spin_error), 0.0,
+                           stated(r.rise_error, s_.speed_error)};
+                result_.observations.crossings.push_back(c);
+            }
+        }
     }
 
     void add_shares() {
@@ -432,13 +457,15 @@ ObservedSite planned_test(const SiteFile& site, const SiteModel& model, const st
     std::set<std::string> measured;
     std::istringstream list(instruments);
     for (std::string name; std::getline(list, name, ',');) {
-        if (name != "stops" && name != "speed" && name != "height" && name != "spin")
-            throw InputError("--instruments knows no \"" + name + "\": take some of stops, speed, height, spin");
+        if (name != "stops" && name != "speed" && name != "height" && name != "spin" && name != "impacts")
+            throw InputError("--instruments knows no \"" + name +
+                             "\": take some of stops, speed, height, spin, impacts");
         measured.insert(name);
     }
     CampaignInput input = model.campaign;
     input.kept_trajectories = 0;
     input.screen_span = site.settings.observed.averaging;
+    input.impacts = measured.contains("impacts") ? static_cast<std::int32_t>(kPlannedImpacts) : 0;
     const CampaignResult campaign = run_campaign(
         input, [](std::int64_t) {}, InterruptScope::flag());
     gis::ObservationRecords records;
@@ -450,7 +477,23 @@ ObservedSite planned_test(const SiteFile& site, const SiteModel& model, const st
         if (measured.contains("stops"))
             records.stops.push_back({row, bodies.back(), b.stop, kNaN, b.reason != StopReason::AtRest, false});
     }
-    for (const ScreenCrossing& c : campaign.crossings) {
+    const auto screens = static_cast<std::int32_t>(model.campaign.screens.size());
+    gis::ImpactRecord impact;
+    for (const ScreenCrossing& c : campaign.crossings) {  // by block and number: the end of an impact follows its start
+        if (c.screen >= screens) {
+            gis::ImpactEnd end{c.velocity.norm(), c.velocity.z(), kNaN};
+            if (measured.contains("spin")) end.spin = c.spin;
+            if ((c.screen - screens) % 2 == 0) {
+                impact.before = end;
+                continue;
+            }
+            impact.row = static_cast<std::int64_t>(records.impacts.size()) + 1;
+            impact.body = bodies[static_cast<std::size_t>(c.block)];
+            impact.impact = (c.screen - screens) / 2 + 1;
+            impact.after = end;
+            records.impacts.push_back(impact);
+            continue;
+        }
         gis::CrossingRecord r;
         r.row = static_cast<std::int64_t>(records.crossings.size()) + 1;
         r.body = bodies[static_cast<std::size_t>(c.block)];
@@ -461,13 +504,14 @@ ObservedSite planned_test(const SiteFile& site, const SiteModel& model, const st
         if (measured.contains("spin")) r.spin = c.spin;
         records.crossings.push_back(r);
     }
-    if (records.stops.empty() && records.crossings.empty())
-        throw InputError("nothing would be measured: --instruments needs stops, or the site [screens]");
+    if (records.stops.empty() && records.crossings.empty() && records.impacts.empty())
+        throw InputError("nothing would be measured: --instruments needs stops or impacts, or the site [screens]");
     return Resolver(site, model, records).resolve();
 }
 
 void match_campaign(const SiteFile& site, const ObservedSite& observed, CampaignInput& campaign) {
     campaign.screen_span = site.settings.observed.averaging;
+    campaign.impacts = static_cast<std::int32_t>(observed.op.impacts);
     shift_screens(observed.op.effects, observed.op.axis, campaign);
     if (!observed.observations.matched) return;
     campaign.population.list.clear();

@@ -17,7 +17,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::array kTables{kStopsTable, kCrossingsTable, kSharesTable, kReleasesTable};
+constexpr std::array kTables{kStopsTable, kCrossingsTable, kImpactsTable, kSharesTable, kReleasesTable};
 const std::vector<std::string> kPositionFields{"easting_m",    "northing_m", "longitude_deg",
                                                "latitude_deg", "z_m",        "crs"};
 const std::vector<std::string> kBodyFields{"block_id", "order", "mass_kg", "l1_m", "l2_m", "l3_m"};
@@ -27,6 +27,7 @@ constexpr double kMaxEdge = 50.0;          // [m]
 constexpr double kMaxSpeed = 300.0;        // [m/s]
 constexpr double kMaxSpin = 1000.0;        // [rad/s]
 constexpr double kMaxError = 1000.0;       // [m, m/s, ...]
+constexpr double kMaxImpacts = 10.0;       // of a block [-]
 constexpr double kMaxBlocks = 1e9;         // [-]
 constexpr double kPercentRounding = 0.06;  // [%] of a share that is printed with one decimal
 
@@ -73,9 +74,10 @@ void add_stops(RecordTable& table, ObservationRecords& records) {
 
 void add_crossings(RecordTable& table, ObservationRecords& records) {
     table.require({"screen"});
-    table.warn_of_unread(joined(joined(kPositionFields, kBodyFields),
-                                {"screen", "speed_ms", "height_m", "spin_rads", "energy_kj", "speed_error_ms",
-                                 "height_error_m", "spin_error_rads", "energy_error_kj"}));
+    table.warn_of_unread(
+        joined(joined(kPositionFields, kBodyFields),
+               {"screen", "speed_ms", "height_m", "spin_rads", "energy_kj", "rise_ms", "speed_error_ms",
+                "height_error_m", "spin_error_rads", "energy_error_kj", "rise_error_ms"}));
     for (const RecordTable::Record& r : table.records) {
         CrossingRecord c;
         c.row = r.row;
@@ -87,11 +89,49 @@ void add_crossings(RecordTable& table, ObservationRecords& records) {
         c.height = table.number(r, "height_m", -kMaxEdge, kMaxError);
         c.spin = table.number(r, "spin_rads", 0.0, kMaxSpin);
         c.energy = table.number(r, "energy_kj", 0.0, kInfinity);
+        c.rise = table.number(r, "rise_ms", -kMaxSpeed, kMaxSpeed);
+        c.rise_error = table.number(r, "rise_error_ms", 0.0, kMaxError);
         c.speed_error = table.number(r, "speed_error_ms", 0.0, kMaxError);
         c.height_error = table.number(r, "height_error_m", 0.0, kMaxError);
         c.spin_error = table.number(r, "spin_error_rads", 0.0, kMaxError);
         c.energy_error = table.number(r, "energy_error_kj", 0.0, kInfinity);
         records.crossings.push_back(c);
+    }
+}
+
+ImpactEnd impact_end(const RecordTable& table, const RecordTable::Record& r, const std::string& which) {
+    ImpactEnd end;
+    end.speed = table.number(r, "speed_" + which + "_ms", 0.0, kMaxSpeed);
+    if (std::isnan(end.speed))
+        table.refuse(r, words("lacks speed_", which, "_ms; an impact needs the speeds before and after it."));
+    end.rise = table.number(r, "rise_" + which + "_ms", -kMaxSpeed, kMaxSpeed);
+    if (std::abs(end.rise) > end.speed)
+        table.refuse(r, words("has the rise ", end.rise, " m/s ", which, " an impact, and the speed ", end.speed,
+                              " m/s; a vertical speed is no larger than the speed."));
+    end.spin = table.number(r, "spin_" + which + "_rads", 0.0, kMaxSpin);
+    return end;
+}
+
+void add_impacts(RecordTable& table, ObservationRecords& records) {
+    table.require({"impact", "speed_before_ms", "speed_after_ms"});
+    table.warn_of_unread(
+        joined(joined(kPositionFields, kBodyFields),
+               {"impact", "speed_before_ms", "speed_after_ms", "rise_before_ms", "rise_after_ms", "spin_before_rads",
+                "spin_after_rads", "speed_error_ms", "rise_error_ms", "spin_error_rads"}));
+    for (const RecordTable::Record& r : table.records) {
+        ImpactRecord impact;
+        impact.row = r.row;
+        impact.body = body_of(table, r);
+        const double number = table.number(r, "impact", 1.0, kMaxImpacts);
+        if (!(number == std::floor(number)))
+            table.refuse(r, "has no whole number in the field 'impact'; 1 is the first impact of a block.");
+        impact.impact = static_cast<std::int64_t>(number);
+        impact.before = impact_end(table, r, "before");
+        impact.after = impact_end(table, r, "after");
+        impact.speed_error = table.number(r, "speed_error_ms", 0.0, kMaxError);
+        impact.rise_error = table.number(r, "rise_error_ms", 0.0, kMaxError);
+        impact.spin_error = table.number(r, "spin_error_rads", 0.0, kMaxError);
+        records.impacts.push_back(impact);
     }
 }
 
@@ -131,6 +171,7 @@ void add_releases(RecordTable& table, ObservationRecords& records) {
 void add_table(const std::string& kind, RecordTable table, ObservationRecords& records) {
     if (kind == kStopsTable) add_stops(table, records);
     if (kind == kCrossingsTable) add_crossings(table, records);
+    if (kind == kImpactsTable) add_impacts(table, records);
     if (kind == kSharesTable) add_shares(table, records);
     if (kind == kReleasesTable) add_releases(table, records);
     records.sources.push_back(table.source);
@@ -138,8 +179,8 @@ void add_table(const std::string& kind, RecordTable table, ObservationRecords& r
 }
 
 std::string what_is_read() {
-    return words("observations are layers or tables called ", kStopsTable, ", ", kCrossingsTable, ", ", kSharesTable,
-                 " (and ", kReleasesTable, "); gis/README.md describes them.");
+    return words("observations are layers or tables called ", kStopsTable, ", ", kCrossingsTable, ", ", kImpactsTable,
+                 ", ", kSharesTable, " (and ", kReleasesTable, "); gis/README.md describes them.");
 }
 
 void add_vector_file(const std::string& file, const LocalFrame& frame, const Box2& extent,
@@ -166,14 +207,16 @@ std::string kind_of(const RecordTable& table, const fs::path& file) {
     for (const char* name : kTables)
         if (stem == name) return name;
     if (table.has("screen")) return kCrossingsTable;
+    if (table.has("impact")) return kImpactsTable;
     if (table.has("name") && table.has("released")) return kSharesTable;
     if (table.has("easting_m") || table.has("longitude_deg")) return kStopsTable;
     std::string fields;
     for (const std::string& field : table.fields) fields += words(fields.empty() ? "'" : ", '", field, "'");
-    throw InputError(words(table.place,
-                           " holds neither stops (easting_m, northing_m), nor crossings (screen), nor shares (name, "
-                           "released), only ",
-                           fields, "; ", what_is_read()));
+    throw InputError(words(
+        table.place,
+        " holds neither stops (easting_m, northing_m), nor crossings (screen), nor impacts (impact), nor shares (name, "
+        "released), only ",
+        fields, "; ", what_is_read()));
 }
 
 bool is_table(const fs::path& file) {
@@ -216,8 +259,9 @@ ObservationRecords read_observations(const std::string& path, const LocalFrame& 
     } else {
         add_vector_file(path, frame, extent, records);
     }
-    if (records.stops.empty() && records.crossings.empty() && records.shares.empty())
-        throw InputError(words("The observations '", path, "' hold no stop, crossing or share; ", what_is_read()));
+    if (records.stops.empty() && records.crossings.empty() && records.impacts.empty() && records.shares.empty())
+        throw InputError(
+            words("The observations '", path, "' hold no stop, crossing, impact or share; ", what_is_read()));
     return records;
 }
 

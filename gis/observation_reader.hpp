@@ -40,10 +40,29 @@ struct CrossingRecord {
     double height = kNaN;                  ///< of the centre of mass above the ground [m]
     double spin = kNaN;                    ///< [rad/s]
     double energy = kNaN;                  ///< [kJ]
+    double rise = kNaN;                    ///< vertical speed, upwards positive [m/s]
     double speed_error = kNaN;             ///< [m/s]
     double height_error = kNaN;            ///< [m]
     double spin_error = kNaN;              ///< [rad/s]
     double energy_error = kNaN;            ///< [kJ]
+    double rise_error = kNaN;              ///< [m/s]
+};
+
+/// What a film gives at one end of an impact.
+struct ImpactEnd {
+    double speed = kNaN;  ///< [m/s]
+    double rise = kNaN;   ///< vertical, upwards positive [m/s]
+    double spin = kNaN;   ///< [rad/s]
+};
+
+struct ImpactRecord {
+    std::int64_t row = 0;  ///< as above [-]
+    ObservedBody body;
+    std::int64_t impact = 0;  ///< 1: the first of its block [-]
+    ImpactEnd before, after;
+    double speed_error = kNaN;  ///< [m/s]
+    double rise_error = kNaN;   ///< [m/s]
+    double spin_error = kNaN;   ///< [rad/s]
 };
 
 struct ShareRecord {
@@ -62,6 +81,7 @@ struct ReleaseRecord {
 struct ObservationRecords {
     std::vector<StopRecord> stops;
     std::vector<CrossingRecord> crossings;
+    std::vector<ImpactRecord> impacts;
     std::vector<ShareRecord> shares;
     std::vector<ReleaseRecord> releases;
     std::vector<std::string> files;  ///< as opened
@@ -73,6 +93,7 @@ struct ObservationRecords {
 /// Names of the layers of a GeoPackage and, with .csv, of the tables of a folder.
 inline constexpr const char* kStopsTable = "stopping_points";
 inline constexpr const char* kCrossingsTable = "screen_crossings";
+inline constexpr const char* kImpactsTable = "impacts";
 inline constexpr const char* kSharesTable = "deposit_zones";
 inline constexpr const char* kReleasesTable = "release_points";
 

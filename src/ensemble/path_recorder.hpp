@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include "ensemble/impact_watch.hpp"
 #include "ensemble/span_speed.hpp"
 
 #include "scree/ensemble/campaign.hpp"
@@ -55,6 +56,7 @@ protected:
     const CampaignInput& input_;
 
 private:
+    ScreenCrossing crossing(std::size_t screen, const MotionSegment<Dim>& m, double share) const;
     void add_crossing(std::size_t screen, const MotionSegment<Dim>& m, double share);
     void keep_line(const MotionSegment<Dim>& m);
 
@@ -65,6 +67,7 @@ private:
     std::size_t last_cell_ = 0;
     std::vector<ScreenCrossing> crossings_;
     std::vector<bool> crossed_;
+    ImpactWatch<Dim> impacts_;
     SpanSpeed<Dim> span_speed_;
     std::vector<typename SpanSpeed<Dim>::Fresh> fresh_;  ///< crossings in the segment at hand
     bool keep_ = false;

@@ -143,6 +143,7 @@ private:
     const std::function<void(const DiagnosisProgress&)>& progress_;
     std::vector<EffectDose>
         variants_;  ///< of all effects, at the reference strength; at the end places that a closer look has found
+    std::vector<double> place_spread_;  ///< of the middle of each of these, as the closer look has it [m]
     std::size_t planned_variants_ = 0;  ///< those before these: the measurements had no part in choosing them
     /// A simulation near a model, for derivatives.
     struct Nearby {

@@ -288,6 +288,8 @@ void Diagnoser::judge(Hypothesis& h, const Survey& s) const {
     h.on = dose_of(h.fingerprint, to).front().on;
     if (!h.on) return;
     h.middle_deviation = misfit.deviation(count + 1);
+    if (h.fingerprint >= planned_variants_)  // there may be other places that explain as much
+        h.middle_deviation = std::hypot(h.middle_deviation, place_spread_[h.fingerprint - planned_variants_]);
     h.length_deviation = misfit.deviation(count + 2);
 }
 

@@ -47,6 +47,19 @@ Stretch part_of(const Stretch& path, std::size_t from, std::size_t to, std::size
     return {path.from + part * static_cast<double>(from), path.from + part * static_cast<double>(to)};
 }
 
+/// Standard deviation of the middle about a place, stretches weighed by how much they explain [m].
+double spread_about(double middle, const std::vector<Stretch>& places, const Eigen::VectorXd& z) {
+    const double most = z.maxCoeff();
+    double sum = 0.0, squares = 0.0;
+    for (std::size_t k = 0; k < places.size(); ++k) {
+        const double here = std::max(z[static_cast<Eigen::Index>(k)], 0.0), off = places[k].middle() - middle,
+                     weight = std::exp(0.5 * (here * here - most * most));
+        sum += weight;
+        squares += weight * off * off;
+    }
+    return std::sqrt(squares / sum);
+}
+
 /// By weight, then z.
 void sort(std::vector<EffectFinding>& findings) {
     std::stable_sort(findings.begin(), findings.end(), [](const EffectFinding& a, const EffectFinding& b) {
@@ -272,6 +285,7 @@ bool Diagnoser::look_closer(Diagnosis& d) {
             if (best == places.size()) break;
             taken = places[best];
             variants_.push_back({strip.effect, strip.variant, 1.0, places[best]});
+            place_spread_.push_back(spread_about(places[best].middle(), places, score.z));
             stretches[best].judged = false;
             all.push_back(stretches[best]);
         }

@@ -11,11 +11,11 @@ namespace scree {
 
 namespace {
 
-constexpr std::array<const char*, kKinematics> kKinematicNames{"speed", "height", "spin", "energy"};
-constexpr std::array<const char*, kKinematics> kKinematicUnits{"m/s", "m", "rad/s", "J"};
+constexpr std::array<const char*, kKinematics> kKinematicNames{"speed", "height", "spin", "energy", "rise"};
+constexpr std::array<const char*, kKinematics> kKinematicUnits{"m/s", "m", "rad/s", "J", "m/s"};
 
 bool is_kinematic(const Column& c) {
-    return c.quantity >= Quantity::Speed && c.quantity <= Quantity::Energy;
+    return c.quantity >= Quantity::Speed && c.quantity <= Quantity::Rise;
 }
 
 /// Value of a cell; where a known block has not passed the screen, its motion there is none.
@@ -59,7 +59,7 @@ void add_shares(std::vector<Observable>& list, const Observations& observations)
 }
 
 void add_screen(std::vector<Observable>& list, const Observations& observations, const std::string& name,
-                std::int32_t screen) {
+                std::int32_t screen, bool impact) {
     std::int64_t passed = 0;
     bool matched = observations.matched;
     std::array<bool, kKinematics> measured{};
@@ -70,10 +70,10 @@ void add_screen(std::vector<Observable>& list, const Observations& observations,
         for (std::size_t k = 0; k < kKinematics; ++k) measured[k] = measured[k] || std::isfinite(c.value[k]);
     }
     if (passed == 0) return;
-    const bool any = measured[0] || measured[1] || measured[2] || measured[3];
+    const bool any = std::find(measured.begin(), measured.end(), true) != measured.end();
     Observable passing{"passing " + name, "-", {{Quantity::Passed, screen}}, true, matched, !(matched && any), {}};
     if (!matched) passing.counts.push_back({0, 0, passed, observations.thrown});
-    if (matched || observations.thrown > 0) list.push_back(passing);
+    if (!impact && (matched || observations.thrown > 0)) list.push_back(passing);
     for (std::size_t k = 0; k < kKinematics; ++k) {
         if (!measured[k]) continue;
         const bool twice = quantity_of(k) == Quantity::Energy && measured[0];  // the speed says it already
@@ -103,7 +103,8 @@ std::vector<Observable> make_observables(const Observations& observations, const
     add_stops(list, observations, op);
     add_shares(list, observations);
     for (std::size_t s = 0; s < op.screens.size(); ++s)
-        add_screen(list, observations, op.screens[s], static_cast<std::int32_t>(s));
+        add_screen(list, observations, op.screens[s], static_cast<std::int32_t>(s),
+                   op.is_impact(static_cast<std::int32_t>(s)));
     return list;
 }
 

@@ -34,6 +34,7 @@ public:
         for (std::size_t z = 0; z < op_.zones.size(); ++z)
             set({Quantity::InZone, static_cast<std::int32_t>(z)}, at_rest && in_zone(p, z) ? 1.0 : 0.0);
     }
+    void rise(std::int32_t screen, double value) { set({Quantity::Rise, screen}, value); }
     void passed(std::int32_t screen, bool yes) { set({Quantity::Passed, screen}, yes ? 1.0 : 0.0); }
     void kinematics(std::int32_t screen, const KinematicValues& values) {
         for (std::size_t k = 0; k < kKinematics; ++k) set({quantity_of(k), screen}, values[k]);
@@ -78,7 +79,7 @@ class ErrorModel {
 public:
     ErrorModel(const Observations& observations, std::size_t screens)
         : matched_(observations.matched), crossings_(screens) {
-        const KinematicValues none{kNaN, kNaN, kNaN, kNaN};
+        const KinematicValues none{kNaN, kNaN, kNaN, kNaN, kNaN};
         block_stop_.assign(observations.blocks.size(), kNaN);
         block_crossing_.assign(observations.blocks.size(), std::vector<KinematicValues>(screens, none));
         for (const ObservedStop& s : observations.stops) {
@@ -145,6 +146,7 @@ public:
     }
 
     bool records(double speed) const { return speed >= least_speed_; }
+    double factor() const { return factor_; }  ///< of speeds [-]
     /// The error drawn for the speed comes on top of that of the measurement.
     void apply(KinematicValues& values, RandomStream& random) const {
         double& speed = values[static_cast<std::size_t>(Kinematic::Speed)];
@@ -173,15 +175,17 @@ private:
     double shuffled_ = 0.0;     ///< share of the blocks [-]
 };
 
+constexpr auto kRise = static_cast<std::size_t>(Kinematic::Rise);
+
 KinematicValues kinematics_of(const ScreenCrossing& c) {
-    return {c.measured_speed, c.height, c.spin, c.energy};
+    return {c.measured_speed, c.height, c.spin, c.energy, c.velocity.z()};
 }
 
-/// Adds normal errors to what the screen would have seen. Speeds and the like stay positive; the numbers drawn do not depend on the values.
+/// Adds normal errors to what the screen would have seen, but for the rise. Speeds and the like stay positive; the numbers drawn do not depend on the values.
 KinematicValues seen_at_screen(const KinematicValues& exact, const ErrorModel& errors, std::int32_t block,
                                std::size_t screen, RandomStream& random) {
     KinematicValues seen{};
-    for (std::size_t k = 0; k < kKinematics; ++k) {
+    for (std::size_t k = 0; k < kRise; ++k) {
         const double error = errors.of_crossing(block, screen, k, random);
         seen[k] = std::max(0.0, exact[k] + error * random.normal());
     }
@@ -209,7 +213,7 @@ std::vector<Column> observed_columns(const Observations& observations, const Obs
             any = true;
             for (std::size_t k = 0; k < kKinematics; ++k) measured[k] = measured[k] || std::isfinite(c.value[k]);
         }
-        if (any) columns.push_back({Quantity::Passed, screen});
+        if (any && !op.is_impact(screen)) columns.push_back({Quantity::Passed, screen});
         for (std::size_t k = 0; k < kKinematics; ++k)
             if (measured[k]) columns.push_back({quantity_of(k), screen});
     }
@@ -295,6 +299,9 @@ ObservationTable simulated_table(const CampaignResult& campaign, const Observati
     const ErrorModel errors(observations, op.screens.size());
     const Faults faults(op);
     const std::size_t test = observations.matched ? observations.blocks.size() : 0;
+    const bool rises = std::any_of(table.columns.begin(), table.columns.end(),
+                                   [](const Column& c) { return c.quantity == Quantity::Rise; });
+    std::vector<char> recorded;
     std::vector<std::int32_t> numbers;
     auto next = campaign.crossings.begin();
     for (std::size_t k = 0; k < campaign.blocks.size(); ++k) {
@@ -311,16 +318,35 @@ ObservationTable simulated_table(const CampaignResult& campaign, const Observati
         write.stop(b.stop.head<2>() + error * Vec2(east, north), b.reason == StopReason::AtRest);
 
         const auto crossings = first_crossings({first, next}, op.screen_of, op.screens.size());
+        recorded.assign(crossings.size(), 0);
         for (std::size_t s = 0; s < crossings.size(); ++s) {
-            const bool seen = crossings[s] && faults.records(crossings[s]->measured_speed);
+            const bool seen = crossings[s] && (op.is_impact(static_cast<std::int32_t>(s)) ||
+                                               faults.records(crossings[s]->measured_speed));
             KinematicValues values = seen_at_screen(crossings[s] ? kinematics_of(*crossings[s]) : KinematicValues{},
                                                     errors, block, s, random);
             if (!op.effects.empty()) faults.apply(values, random);
             write.passed(static_cast<std::int32_t>(s), seen);
             if (seen) write.kinematics(static_cast<std::int32_t>(s), values);
+            recorded[s] = seen;
+        }
+        // after all others: who measures rises as well draws the same errors of the rest
+        for (std::size_t s = 0; rises && s < crossings.size(); ++s) {
+            const double off = errors.of_crossing(block, s, kRise, random) * random.normal();
+            if (recorded[s])
+                write.rise(static_cast<std::int32_t>(s), faults.factor() * (crossings[s]->velocity.z() + off));
         }
     }
     return table;
+}
+
+void ObservationOperator::add_impacts(std::size_t count) {
+    for (std::size_t k = impacts; k < count; ++k) {
+        for (const char* end : {"the start of impact ", "the end of impact "}) {
+            screen_of.push_back(static_cast<std::int32_t>(screens.size()));
+            screens.push_back(end + std::to_string(k + 1));
+        }
+    }
+    impacts = std::max(impacts, count);
 }
 
 std::vector<const ScreenCrossing*> first_crossings(std::span<const ScreenCrossing> of_block,

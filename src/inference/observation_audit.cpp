@@ -304,7 +304,7 @@ private:
         const bool stops = std::any_of(o_.stops.begin(), o_.stops.end(), [](const auto& s) { return s.error > 0.0; });
         if (!o_.stops.empty() && !stops) missing += "position_error_m";
         constexpr std::array<const char*, kKinematics> kFields{"speed_error_ms", "height_error_m", "spin_error_rads",
-                                                               "energy_error_kj"};
+                                                               "energy_error_kj", "rise_error_ms"};
         for (std::size_t k = 0; k < kKinematics; ++k) {
             bool measured = false, stated = false;
             for (const ObservedCrossing& c : o_.crossings) {

@@ -17,6 +17,8 @@ namespace {
 const double kLevel = std::sqrt(12.0), kSpread = std::sqrt(180.0);
 /// Shares are scaled by about their standard deviation, so that all residuals are of order one [-].
 constexpr double kPassedScale = 0.5, kWindowScale = 0.3;
+/// Columns of a table have numbers of their own for ties up to so many [-].
+constexpr std::size_t kMostColumns = 128;
 /// Neighbours are the nearest of so many times as many in speed [-].
 constexpr std::size_t kPoolShare = 4;
 
@@ -48,7 +50,7 @@ std::vector<double> standardised(std::vector<double> values) {
 
 /// A tie is broken by a number that depends on the value's place only.
 double tie_breaker(std::uint64_t seed, std::size_t row, std::size_t column) {
-    return RandomStream(seed, row * 64 + column, RandomPurpose::Observation).uniform();
+    return RandomStream(seed, row * 2 * kMostColumns + column, RandomPurpose::Observation).uniform();
 }
 
 }  // namespace
@@ -115,22 +117,28 @@ void ResidualSpace::choose(const ObservationTable& measured, const ResidualSetti
                            std::span<const Residual> residuals) {
     std::vector<Residual> wanted;
     std::vector<Column> levels;
-    std::vector<Column> screens;  // that recorded speeds, in their order along the path
+    std::vector<Column> screens;                   // that recorded speeds, in their order along the path
+    std::vector<Column> impacts;                   // speeds at the start and at the end of each
+    const auto of_impact = [&](const Column& c) {  // only what a screen saw is known not to have passed
+        return c.place >= 0 && measured.find({Quantity::Passed, c.place}) == measured.columns.size();
+    };
     for (const Column& c : measured.columns) {
         if (c.quantity == Quantity::Passed) wanted.push_back({ResidualKind::Passed, c, {}, kNaN, kNaN});
         if (is_level(c.quantity)) levels.push_back(c);
-        if (c.quantity == Quantity::Speed) screens.push_back(c);
+        if (c.quantity == Quantity::Speed) (of_impact(c) ? impacts : screens).push_back(c);
     }
     for (const Column& c : levels) {
         wanted.push_back({ResidualKind::Level, c, {}, kNaN, kNaN});
-        wanted.push_back({ResidualKind::Spread, c, {}, kNaN, kNaN});
+        if (!of_impact(c)) wanted.push_back({ResidualKind::Spread, c, {}, kNaN, kNaN});
         if (!log_mass_.empty()) wanted.push_back({ResidualKind::MassTrend, c, {}, kNaN, kNaN});
+        if (of_impact(c)) continue;
         if (!log_shape_.empty()) wanted.push_back({ResidualKind::ShapeTrend, c, {}, kNaN, kNaN});
         if (!order_.empty() && is_course(c.quantity)) wanted.push_back({ResidualKind::OrderTrend, c, {}, kNaN, kNaN});
     }
     for (std::size_t a = 0; a < levels.size(); ++a)
         for (std::size_t b = a + 1; b < levels.size(); ++b)
             if (levels[a].quantity != Quantity::Lateral && levels[b].quantity != Quantity::Lateral &&
+                !of_impact(levels[a]) && !of_impact(levels[b]) &&
                 (levels[a].place == levels[b].place ||
                  (known_ && is_course(levels[a].quantity) && is_course(levels[b].quantity))))
                 wanted.push_back({ResidualKind::Together, levels[a], levels[b], kNaN, kNaN});
@@ -142,6 +150,11 @@ void ResidualSpace::choose(const ObservationTable& measured, const ResidualSetti
         else
             wanted.push_back({ResidualKind::Innovation, {Quantity::Along, -1}, from, kNaN, kNaN});
     }
+    // from the start of an impact to its end
+    for (std::size_t k = 0; known_ && k + 1 < impacts.size(); k += 2)
+        for (const Quantity q : {Quantity::Speed, Quantity::Rise, Quantity::Spin})
+            if (const Column end{q, impacts[k + 1].place}; measured.find(end) < measured.columns.size())
+                wanted.push_back({ResidualKind::Innovation, end, impacts[k], kNaN, kNaN});
     const std::size_t along = measured.find({Quantity::Along, -1});
     if (along < measured.columns.size()) {
         std::vector<double> stops;
@@ -217,7 +230,8 @@ double ResidualSpace::share(std::size_t s, std::size_t column) const {
     return std::accumulate(members.begin(), members.end(), 0.0) / static_cast<double>(members.size());
 }
 
-/// Level of the target among the reference's rows that were in the most similar states: speed and height at the screen before, and mass.
+/// Level of the target among the reference's rows that were in the most similar states: speed, height and vertical speed at the screen before or the start of
+/// the impact, and mass.
 double ResidualSpace::innovation(const ObservationTable& table, std::size_t row, const Residual& residual,
                                  bool own) const {
     const auto state = std::find_if(states_.begin(), states_.end(), [&](const ByState& s) {
@@ -239,6 +253,8 @@ double ResidualSpace::innovation(const ObservationTable& table, std::size_t row,
     };
     const double spread = std::max(state->speed[begin + pool - 1] - state->speed[begin], 1e-9);
     const double own_height = height < table.columns.size() ? table.values[height][row] : kNaN;
+    const std::size_t rise = reference_.find({Quantity::Rise, residual.other.place});
+    const double own_rise = rise < table.columns.size() ? table.values[rise][row] : kNaN;
     std::vector<std::pair<double, std::uint32_t>> nearest;
     nearest.reserve(pool);
     for (std::size_t k = begin; k < begin + pool; ++k) {
@@ -247,6 +263,7 @@ double ResidualSpace::innovation(const ObservationTable& table, std::size_t row,
         double distance = std::abs(state->speed[k] - v) / spread;
         distance += 0.5 * std::abs(mass_of(reference_.block[other]) - mass_of(table.block[row]));
         if (std::isfinite(own_height)) distance += std::abs(reference_.values[height][other] - own_height);
+        if (std::isfinite(own_rise)) distance += std::abs(reference_.values[rise][other] - own_rise) / spread;
         nearest.push_back({distance, other});
     }
     const std::size_t count = std::min(settings_.neighbours, nearest.size());
@@ -257,8 +274,8 @@ double ResidualSpace::innovation(const ObservationTable& table, std::size_t row,
         below += w < value ? 1.0 : 0.0;
         equal += w == value ? 1.0 : 0.0;
     }
-    const double u =
-        (below + tie_breaker(settings_.seed, row, 32 + target) * (1.0 + equal)) / (static_cast<double>(count) + 1.0);
+    const double u = (below + tie_breaker(settings_.seed, row, kMostColumns + target) * (1.0 + equal)) /
+                     (static_cast<double>(count) + 1.0);
     return kLevel * (u - 0.5);
 }
 
@@ -359,6 +376,9 @@ std::string column_words(const Column& c, std::span<const std::string> screens) 
             break;
         case Quantity::Energy:
             words = "energy";
+            break;
+        case Quantity::Rise:
+            words = "vertical speed";
             break;
     }
     if (named) words.append(" at ").append(screens[static_cast<std::size_t>(c.place)]);

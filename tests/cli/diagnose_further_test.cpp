@@ -90,10 +90,11 @@ struct Quarry {
           model(load_site(site)),
           observed(planned_test(site, model, "stops,speed")) {}
 
-    CampaignResult run(double rolling) const {
+    CampaignResult run(double rolling, std::int64_t blocks = 60, std::size_t impacts = 0) const {
         CampaignInput input = model.campaign;
+        input.impacts = static_cast<std::int32_t>(impacts);
         for (Soil& soil : input.soils) soil.rolling = rolling;
-        input.release.count = 60;
+        input.release.count = blocks;
         const std::atomic<bool> stop{false};
         return run_campaign(
             input, [](std::int64_t) {}, stop);
@@ -147,16 +148,28 @@ TEST(DiagnoseFurther, DrawsHowFarBlocksComeBeforeAndAfter) {
 TEST(DiagnoseFurther, AnInstrumentAddsItsColumnsAlone) {
     const Quarry quarry(2);
     const std::vector<FurtherInstrument> all = further_instruments(quarry.observed);
-    ASSERT_EQ(all.size(), 3U) << "heights, spins, both";
+    ASSERT_EQ(all.size(), 4U) << "heights, spins, both; impacts";
     EXPECT_EQ(all[0].name, "heights at the screens");
     EXPECT_EQ(all[2].name, "heights and spins at the screens");
-    const ObservedSite more = with_instruments(quarry.observed, all, quarry.run(0.05), quarry.site.settings.observed);
+    EXPECT_EQ(all[3].name, "films of the first 3 impacts");
+    ObservedSite filmed = quarry.observed;
+    filmed.op.add_impacts(all[3].impacts);
+    const ObservedSite more =
+        with_instruments(filmed, all, quarry.run(0.05, 12, all[3].impacts), quarry.site.settings.observed);
     const ObservationTable table = measured_table(more.observations, more.op),
                            as_it_is = measured_table(quarry.observed.observations, quarry.observed.op),
                            heights = with_one_instrument(table, quarry.observed, all[0]),
-                           nothing = with_one_instrument(table, quarry.observed, {"nothing", {}});
+                           impacts = with_one_instrument(table, quarry.observed, all[3]),
+                           nothing = with_one_instrument(table, quarry.observed, {"nothing", {}, 0});
     EXPECT_EQ(nothing.columns, as_it_is.columns);
     EXPECT_EQ(heights.columns.size(), as_it_is.columns.size() + quarry.observed.op.screens.size());
+    ASSERT_EQ(impacts.columns.size(), as_it_is.columns.size() + 12) << "speed and rise, before and after, three times";
+    const std::size_t rise =
+        impacts.find({Quantity::Rise, static_cast<std::int32_t>(quarry.observed.op.screens.size())});
+    ASSERT_LT(rise, impacts.columns.size());
+    EXPECT_GT(std::count_if(impacts.values[rise].begin(), impacts.values[rise].end(),
+                            [](double v) { return std::isfinite(v); }),
+              6);
     for (std::size_t k = 0; k < nothing.columns.size(); ++k)
         for (std::size_t row = 0; row < nothing.rows(); ++row)
             EXPECT_EQ(std::isnan(nothing.values[k][row]), std::isnan(as_it_is.values[k][row]));

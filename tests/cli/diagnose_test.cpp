@@ -160,7 +160,7 @@ TEST(Diagnose, PlansATestBeforeAnythingIsMeasured) {
     ASSERT_EQ(diagnose(few, {"--plan", "--set", "release.count=12", "--set", "diagnosis.without=[\"roughness\"]"}).code,
               0);
     const Outcome run =
-        diagnose(more, {"--plan", "--instruments", "stops,speed,height,spin", "--set", "release.count=20"});
+        diagnose(more, {"--plan", "--instruments", "stops,speed,height,spin,impacts", "--set", "release.count=20"});
     ASSERT_EQ(run.code, 0) << run.err;
     EXPECT_THAT(run.out, HasSubstr("what would be seen in 4 of 5 such tests"));
     const auto additions = [](const fs::path& out) {
@@ -171,7 +171,8 @@ TEST(Diagnose, PlansATestBeforeAnythingIsMeasured) {
     };
     EXPECT_THAT(additions(few),
                 testing::ElementsAre("as planned", "with heights at the screens", "with spins at the screens",
-                                     "with heights and spins at the screens", "with twice as many blocks"));
+                                     "with heights and spins at the screens", "with films of the first 3 impacts",
+                                     "with twice as many blocks"));
     EXPECT_THAT(additions(more), testing::ElementsAre("as planned", "with twice as many blocks"));
     const auto visibility = [](const fs::path& out, const char* effect) {
         const json j = json::parse(text_of(out / "diagnosis.json"));

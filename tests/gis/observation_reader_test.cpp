@@ -108,6 +108,28 @@ TEST_F(ObservationReader, ReadsAFolderOfTables) {
     EXPECT_EQ(o.files.size(), 3U);
 }
 
+TEST_F(ObservationReader, ReadsImpacts) {
+    const std::string head =
+        "block_id,impact,speed_before_ms,speed_after_ms,rise_before_ms,rise_after_ms,speed_error_ms\n";
+    const auto o = read(put("impacts.csv", head + "A,1,9.5,6,-7.5,1.5,0.3\nA,2,8,5,,,\n"));
+    ASSERT_EQ(o.impacts.size(), 2U);
+    EXPECT_EQ(o.impacts[0].body.id, "A");
+    EXPECT_EQ(o.impacts[0].before.speed, 9.5);
+    EXPECT_EQ(o.impacts[0].before.rise, -7.5);
+    EXPECT_EQ(o.impacts[0].after.speed, 6.0);
+    EXPECT_EQ(o.impacts[0].speed_error, 0.3);
+    EXPECT_TRUE(std::isnan(o.impacts[0].after.spin));
+    EXPECT_EQ(o.impacts[1].impact, 2);
+    EXPECT_TRUE(std::isnan(o.impacts[1].after.rise));
+    EXPECT_THAT(o.warnings, IsEmpty());
+    EXPECT_THAT(error(put("a.csv", head + "A,1,9.5,,,,\n")),
+                HasSubstr("line 2, lacks speed_after_ms; an impact needs the speeds before and after it."));
+    EXPECT_THAT(error(put("b.csv", head + "A,1,5,4,-6,1,\n")),
+                HasSubstr("line 2, has the rise -6 m/s before an impact, and the speed 5 m/s"));
+    EXPECT_THAT(error(put("c.csv", head + "A,1.5,5,4,,,\n")), HasSubstr("no whole number in the field 'impact'"));
+    EXPECT_THAT(error(put("d.csv", head + "A,0,5,4,,,\n")), HasSubstr("'0' in the field 'impact'; allowed is"));
+}
+
 TEST_F(ObservationReader, ReadsLayersOfAGeoPackage) {
     const std::string file = (folder_ / "obs.gpkg").string();
     VectorSpec stops;

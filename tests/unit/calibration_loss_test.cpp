@@ -56,7 +56,7 @@ Observations test_of(bool matched) {
     for (const ScreenCrossing& c : truth.crossings) {
         ObservedCrossing crossing;
         crossing.block = matched ? static_cast<std::int32_t>(c.block) : -1;
-        crossing.value = {c.measured_speed, kNaN, kNaN, kNaN};
+        crossing.value = {c.measured_speed, kNaN, kNaN, kNaN, kNaN};
         o.crossings.push_back(crossing);
     }
     return o;

@@ -37,7 +37,7 @@ Observations test_of(double error) {
         if (b % 4 == 3) continue;  // every fourth did not get to the screen
         ObservedCrossing crossing;
         crossing.block = static_cast<std::int32_t>(b);
-        crossing.value = {8.0 + 0.2 * static_cast<double>(b) + normal(b, 2), kNaN, kNaN, kNaN};
+        crossing.value = {8.0 + 0.2 * static_cast<double>(b) + normal(b, 2), kNaN, kNaN, kNaN, kNaN};
         o.crossings.push_back(crossing);
     }
     return o;

@@ -36,8 +36,8 @@ struct GoodTest {
             c.row = k + 2;
             c.block = k;
             c.position = {0.0, 1.0 * k, kNaN};
-            c.value = {10.0, 0.5, kNaN, kNaN};
-            c.error = {0.7, 0.1, 0.0, 0.0};
+            c.value = {10.0, 0.5, kNaN, kNaN, kNaN};
+            c.error = {0.7, 0.1, 0.0, 0.0, 0.0};
             o.crossings.push_back(c);
         }
         o.matched = true;

@@ -33,7 +33,7 @@ Observations test_observations() {
     o.stops = {{1, 0, {40, 3, kNaN}, 0.0, false, false}, {2, 1, {10, -2, kNaN}, 0.0, false, false}};
     ObservedCrossing crossing;
     crossing.block = 0;
-    crossing.value = {7.5, 0.4, kNaN, kNaN};
+    crossing.value = {7.5, 0.4, kNaN, kNaN, kNaN};
     o.crossings = {crossing};
     o.thrown = 2;
     o.matched = true;
@@ -74,6 +74,43 @@ TEST(MeasuredTable, OfKnownBlocksHasOneRowEach) {
     EXPECT_TRUE(std::isnan(cell(t, {Quantity::Speed, 0}, 1)));
     EXPECT_EQ(cell(t, {Quantity::Spin, 0}, 0), -999.0) << "nobody measured spin: there is no column";
     EXPECT_EQ(cell(t, {Quantity::Passed, 1}, 0), -999.0) << "nobody measured at the lower screen";
+}
+
+// Of an impact nobody knows that it did not happen: a film may have missed it. So there is no share that passes, and what a camera misses at a screen says nothing.
+TEST(Impacts, AreScreensThatNobodyFailsToPass) {
+    ObservationOperator op = test_operator();
+    op.add_impacts(2);
+    ASSERT_EQ(op.screens.size(), 6U);
+    EXPECT_EQ(op.screens[2], "the start of impact 1");
+    EXPECT_EQ(op.screens[5], "the end of impact 2");
+    EXPECT_FALSE(op.is_impact(1));
+    EXPECT_TRUE(op.is_impact(2));
+    op.least_speed = 5.0;
+    Observations o = test_observations();
+    for (const std::int32_t screen : {2, 3}) {
+        ObservedCrossing c;
+        c.block = 1;
+        c.screen = screen;
+        c.value = {screen == 2 ? 9.0 : 4.0, kNaN, kNaN, kNaN, screen == 2 ? -7.0 : 1.0};
+        o.crossings.push_back(c);
+    }
+    const ObservationTable measured = measured_table(o, op);
+    EXPECT_EQ(cell(measured, {Quantity::Passed, 2}, 0), -999.0);
+    EXPECT_TRUE(std::isnan(cell(measured, {Quantity::Speed, 2}, 0))) << "of this block no impact was filmed";
+    EXPECT_EQ(cell(measured, {Quantity::Rise, 2}, 1), -7.0);
+    EXPECT_EQ(cell(measured, {Quantity::Speed, 3}, 1), 4.0);
+    EXPECT_EQ(cell(measured, {Quantity::Speed, 4}, 1), -999.0) << "nobody filmed a second one";
+
+    CampaignResult campaign;
+    campaign.blocks = {at_rest({40, 3}), at_rest({10, -2})};
+    campaign.crossings = {crossing_of(0, 0, 1.0, 4.0), crossing_of(1, 2, 0.5, 9.5), crossing_of(1, 3, 0.6, 4.5)};
+    campaign.crossings[1].velocity = {6.0, 0.0, -7.4};
+    const ObservationTable simulated = simulated_table(campaign, o, op, 1);
+    EXPECT_EQ(simulated.columns, measured.columns);
+    EXPECT_EQ(cell(simulated, {Quantity::Passed, 0}, 0), 0.0) << "too slow for the camera at the screen";
+    EXPECT_EQ(cell(simulated, {Quantity::Speed, 3}, 1), 4.5) << "and not for the film of an impact";
+    EXPECT_EQ(cell(simulated, {Quantity::Rise, 2}, 1), -7.4);
+    EXPECT_TRUE(std::isnan(cell(simulated, {Quantity::Rise, 2}, 0)));
 }
 
 TEST(MeasuredTable, OfAPoolHasOneRowPerRecord) {
@@ -253,7 +290,7 @@ TEST(SimulatedTable, AddsTheStatedErrorsAndNothingElse) {
         Observations o = test_observations();
         o.matched = matched;
         for (ObservedStop& s : o.stops) s.error = 2.0;
-        o.crossings[0].error = {0.7, 0.0, 0.0, 0.0};
+        o.crossings[0].error = {0.7, 0.0, 0.0, 0.0, 0.0};
         const ObservationTable t = simulated_table(campaign, o, test_operator(), 3);
         const auto deviation = [&](const Column& column, double centre) {
             double sum = 0.0, squares = 0.0;

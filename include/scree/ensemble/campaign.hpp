@@ -31,8 +31,9 @@ struct Screen {
 /// The first time that a block crosses a screen, at the exact crossing of the path of its centre of mass.
 struct ScreenCrossing {
     std::int64_t block = 0;
-    std::int32_t screen = 0;       ///< index into the screens
-    double time = 0.0;             ///< since release [s]
+    std::int32_t screen =
+        0;              ///< index into the screens; beyond them: before and after impacts (CampaignInput::impacts)
+    double time = 0.0;  ///< since release [s]
     Vec3 position = Vec3::Zero();  ///< of the centre of mass [m]
     Vec3 velocity = Vec3::Zero();  ///< [m/s]
     double spin = 0.0;             ///< [rad/s]
@@ -121,6 +122,9 @@ struct CampaignInput {
     std::vector<Screen> screens;
     double screen_span =
         0.0;  ///< length around a screen over which ScreenCrossing::measured_speed is a mean; 0: none [m]
+    /// First impacts of every block that are kept, each as two crossings: of number screens.size() + 2 k where impact k begins, and of the next number
+    /// where it has ended. What an impact is to a film, ImpactWatch says [-].
+    std::int32_t impacts = 0;
     std::vector<DepositZone> deposit_zones;
     std::int64_t kept_trajectories = 0;  ///< how many of the first blocks to keep as lines [-]
     int threads = 0;                     ///< 0: all cores [-]

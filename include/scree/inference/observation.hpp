@@ -36,19 +36,19 @@ struct ObservedStop {
     bool broken = false;                   ///< it broke on the way: the largest piece, or the last impact before
 };
 
-/// What a screen saw.
-enum class Kinematic { Speed, Height, Spin, Energy };
-inline constexpr std::size_t kKinematics = 4;
-/// One value per Kinematic: [m/s], [m] of the centre of mass above the ground, [rad/s], [J].
+/// What a screen saw, or what was measured at the start or the end of an impact. Rise: vertical speed, upwards positive.
+enum class Kinematic { Speed, Height, Spin, Energy, Rise };
+inline constexpr std::size_t kKinematics = 5;
+/// One value per Kinematic: [m/s], [m] of the centre of mass above the ground, [rad/s], [J], [m/s].
 using KinematicValues = std::array<double, kKinematics>;
 
 struct ObservedCrossing {
     std::int64_t row = 0;
     std::int32_t block = -1;
-    std::int32_t screen = 0;                        ///< index into ObservationOperator::screens [-]
-    Vec3 position = Vec3::Constant(kNaN);           ///< [m]
-    KinematicValues value{kNaN, kNaN, kNaN, kNaN};  ///< all NaN: it passed, nothing else was measured [*]
-    KinematicValues error{};                        ///< standard deviations [*]
+    std::int32_t screen = 0;                              ///< index into ObservationOperator::screens [-]
+    Vec3 position = Vec3::Constant(kNaN);                 ///< [m]
+    KinematicValues value{kNaN, kNaN, kNaN, kNaN, kNaN};  ///< all NaN: it passed, nothing else was measured [*]
+    KinematicValues error{};                              ///< standard deviations [*]
 };
 
 /// How many blocks stopped in a deposit zone, counted without coordinates.
@@ -77,20 +77,29 @@ struct ObservationOperator {
     /// False: stops are compared by their distance along the axis alone, all of them moved onto it first. For models that know no way beside
     /// their profile, which is the axis then.
     bool lateral = true;
-    Vec2 origin = Vec2::Zero();           ///< centre of the release, from which `runout` is counted [m]
-    std::vector<std::string> screens;     ///< names, each once
-    std::vector<std::int32_t> screen_of;  ///< screen (above) of each CampaignInput::screens [-]
-    std::vector<std::string> zones;       ///< names, each once
+    Vec2 origin = Vec2::Zero();  ///< centre of the release, from which `runout` is counted [m]
+    std::vector<std::string>
+        screens;  ///< names, each once; then two for every impact: "the start of impact 1", "the end of impact 1"
+    std::size_t impacts = 0;                                  ///< of a block, that were measured [-]
+    std::vector<std::int32_t> screen_of;                      ///< screen (above) of each CampaignInput::screens [-]
+    std::vector<std::string> zones;                           ///< names, each once
     std::vector<std::pair<std::int32_t, Region>> zone_areas;  ///< zone (above) and an area of it
     /// Measurement effects (effects.hpp): how this test may have measured wrong. Others are left alone, and so is broken_block: where a broken block was
     /// struck last is not known of a simulated one.
     std::vector<Effect> effects;
     double least_speed = 0.0;         ///< slower passages were not seen by the camera: they count as not passed [m/s]
     double runout_limit = kInfinity;  ///< stops beyond this chainage were recorded there, where the survey ended [m]
+
+    /// Whether a number of `screens` is none, but the start or end of an impact. Who has no such record may have had the impact all the same.
+    bool is_impact(std::int32_t screen) const {
+        return static_cast<std::size_t>(screen) + 2 * impacts >= screens.size();
+    }
+    /// Adds impacts to the screens of a site (all of which are known by then).
+    void add_impacts(std::size_t count);
 };
 
 /// What is compared, one column each. Passed and InZone are 0 or 1.
-enum class Quantity { Along, Lateral, Runout, Passed, Speed, Height, Spin, Energy, InZone };
+enum class Quantity { Along, Lateral, Runout, Passed, Speed, Height, Spin, Energy, Rise, InZone };
 struct Column {
     Quantity quantity = Quantity::Along;
     std::int32_t place = -1;  ///< screen or zone, -1 for stops [-]
