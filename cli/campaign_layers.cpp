@@ -198,6 +198,50 @@ gis::VectorLayer screen_crossings(const SiteModel& model, const CampaignResult& 
     return layer;
 }
 
+/// Those that have ended; where they begin.
+gis::VectorLayer impacts(const SiteModel& model, const CampaignResult& result) {
+    gis::VectorLayer layer =
+        empty_layer("impacts", GeometryKind::Point, "Impacts",
+                    "First impacts of each block: what lies between two flights of 0.1 s and more");
+    layer.data.fields = {integer("impact", "Number of the impact, from 1"),
+                         integer("block", "Block number"),
+                         text("block_id", "Block of the list"),
+                         real("mass_kg", "Mass [kg]"),
+                         real("speed_before_ms", "Speed before [m/s]"),
+                         real("speed_after_ms", "Speed after [m/s]"),
+                         real("rise_before_ms", "Vertical speed before, upwards [m/s]"),
+                         real("rise_after_ms", "Vertical speed after, upwards [m/s]"),
+                         real("spin_before_rads", "Spin before [rad/s]"),
+                         real("spin_after_rads", "Spin after [rad/s]"),
+                         real("time_s", "Time since release [s]")};
+    add_plane_fields(model, layer.data.fields, {real("s_m", "Chainage s [m]")});
+    const std::size_t screens = model.campaign.screens.size();
+    std::int64_t id = 0;
+    for (std::size_t k = 1; k < result.crossings.size(); ++k) {  // by block and number: the end follows the start
+        const ScreenCrossing &before = result.crossings[k - 1], &after = result.crossings[k];
+        const auto number = static_cast<std::size_t>(after.screen);
+        if (number < screens || (number - screens) % 2 == 0) continue;
+        const BlockResult& b = result.blocks[static_cast<std::size_t>(after.block)];
+        Feature f;
+        f.id = ++id;
+        f.geometry = Points{before.position};
+        f.values = {static_cast<std::int64_t>((number - screens) / 2 + 1),
+                    after.block,
+                    block_id(result, b),
+                    b.mass,
+                    before.velocity.norm(),
+                    after.velocity.norm(),
+                    before.velocity.z(),
+                    after.velocity.z(),
+                    before.spin,
+                    after.spin,
+                    before.time};
+        add_plane_values(model, b, f.values, {before.s});
+        layer.data.features.push_back(std::move(f));
+    }
+    return layer;
+}
+
 gis::VectorLayer deposit_zones(const SiteModel& model, const CampaignResult& result) {
     gis::VectorLayer layer = empty_layer(
         "deposit_zones", GeometryKind::Polygon, "Deposit zones",
@@ -291,6 +335,7 @@ std::vector<gis::VectorLayer> campaign_vectors(const SiteModel& model, const Cam
         layers.push_back(screen_crossings(model, result));
         if (model.screens) layers.push_back(input_layer(*model.screens, "screens", "Screens", ""));
     }
+    if (model.campaign.impacts > 0) layers.push_back(impacts(model, result));
     if (model.campaign.kept_trajectories > 0) layers.push_back(trajectories(model, result));
     if (!model.campaign.deposit_zones.empty()) layers.push_back(deposit_zones(model, result));
     if (model.in_plane()) {

@@ -242,6 +242,9 @@ void add_output(std::vector<Setting<SiteSettings>>& keys) {
     keys.push_back(output.path("directory", AT(output_directory), "Folder of the results; --output overrides it."));
     keys.push_back(
         output.integer("trajectories", {0, 1e7}, AT(trajectories), "How many of the first blocks to keep as lines."));
+    keys.push_back(output.integer("impacts", {0, 10}, AT(impacts),
+                                  "How many of the first impacts of every block to keep, with the motion before and "
+                                  "after. An impact lies between two flights of 0.1 s and more."));
     keys.push_back(output.integer("contact_problems", {0, 1e6}, AT(contact_problems),
                                   "How many of the contact problems above solver_tolerance to keep as text files in "
                                   "contact_problem_BLOCK_NUMBER.txt, for whoever wants to look into them."));

@@ -189,6 +189,7 @@ SiteModel load_site(const SiteFile& site) {
     c.effects = model.terrain.effects;
     apply_parameters(site, c);
     c.kept_trajectories = s.trajectories;
+    c.impacts = static_cast<std::int32_t>(s.impacts);
     if (s.dimension == 2)
         add_profiles(site, model);
     else

@@ -130,6 +130,7 @@ struct SiteSettings {
 
     std::string output_directory = "out";
     std::int64_t trajectories = 100;     ///< [-]
+    std::int64_t impacts = 0;            ///< of every block [-]
     std::int64_t contact_problems = 10;  ///< [-]
     double result_resolution = 0.0;      ///< 0: that of the model [m]
 };

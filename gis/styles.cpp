@@ -204,6 +204,7 @@ std::vector<VectorStyle> house_styles(const FeatureLayer& layer) {
     if (name == "facets") return facet_styles(layer);
     if (name == "screens") return {{.colour = "#d55e00", .size_mm = 0.8}};
     if (name == "screen_crossings") return {{.colour = "#d55e00", .marker = "diamond", .size_mm = 1.4, .opacity = 0.7}};
+    if (name == "impacts") return {{.colour = "#882255", .marker = "cross", .size_mm = 1.2, .opacity = 0.7}};
     if (name == "release_points") return {{.colour = "#cc3311", .marker = "triangle", .size_mm = 1.4, .opacity = 0.8}};
     if (name == "release_zones") return {{.colour = "#cc3311", .size_mm = 0.4, .opacity = 0.2, .dashed = true}};
     if (name == "profiles") return {{.colour = "#000000", .size_mm = 0.5, .dashed = true}};

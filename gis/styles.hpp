@@ -49,7 +49,7 @@ struct VectorStyle {
     std::string label{};            ///< QGIS expression written beside each feature; empty: none
 };
 
-/// The house style of the layers that results are made of (stopping_points, trajectories, screens, screen_crossings,
+/// The house style of the layers that results are made of (stopping_points, trajectories, screens, screen_crossings, impacts,
 /// release_points, release_zones, deposit_zones, profiles, soil_zones, facets), chosen by the layer's name and the fields it
 /// has; the first one is the default. Layers of other names get one colour.
 std::vector<VectorStyle> house_styles(const FeatureLayer& layer);

@@ -57,6 +57,31 @@ TEST(Run, WritesEveryLayerWithItsFields) {
         EXPECT_EQ(crs_code_of(gpkg, layer), "2154") << layer;
 }
 
+TEST(Run, KeepsTheFirstImpacts) {
+    const TempDir folder;
+    for (const char* dimension : {"2", "3"}) {
+        const fs::path out = folder / dimension;
+        const Outcome run = run_quarry_a(out, {"--set", "release.count=20", "--set", "output.impacts=2", "--set",
+                                               std::string("model.dimension=") + dimension});
+        ASSERT_EQ(run.code, 0) << run.err;
+        const auto impacts = read_points(out / "results.gpkg", "impacts");
+        ASSERT_GT(impacts.size(), 20U);
+        ASSERT_LE(impacts.size(), 40U);
+        for (const PointRow& i : impacts) {
+            EXPECT_LT(i.number("rise_before_ms"), 0.0);
+            EXPECT_LE(std::abs(i.number("rise_after_ms")), i.number("speed_after_ms"));
+            EXPECT_GE(i.number("impact"), 1.0);
+            EXPECT_LE(i.number("impact"), 2.0);
+        }
+    }
+    // results can stand in for measurements
+    const Outcome compared =
+        scree_program({"compare", (quarry_a() / "site.toml").string(), "--observed", (folder / "3").string(), "--set",
+                       "observed.repeats=5", "--output", (folder / "compared").string()});
+    EXPECT_EQ(compared.code, 0) << compared.err;
+    EXPECT_THAT(compared.out, HasSubstr("speed at the end of impact 1"));
+}
+
 TEST(Run, CountsClose) {
     const TempDir folder;
     const fs::path out = folder / "out";
