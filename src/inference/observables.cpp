@@ -82,7 +82,7 @@ void add_screen(std::vector<Observable>& list, const Observations& observations,
                         {{quantity_of(k), screen}},
                         false,
                         matched,
-                        !twice,
+                        !twice && !impact,  // of which not every block has one
                         {}});
     }
 }

@@ -50,6 +50,9 @@ POSITION_ERROR, SPEED_ERROR, HEIGHT_ERROR, SPIN_ERROR = 0.2, (0.05, 0.2), 0.1, 0
 ABSORBING = {"restitution": (0.05, 0.0, 0.9), "friction": (0.08, 0.1, 1.5), "rolling": (math.log(1.3), 0.001, 0.4)}
 RECALIBRATIONS = 3
 RANGE = 6.0
+IMPACTS = 3  # first ones of a block that are filmed where they are; before and after each: speed and vertical speed
+IMPACT_FIELDS = ("speed_before_ms", "rise_before_ms", "speed_after_ms", "rise_after_ms")
+FILMED = IMPACTS * len(IMPACT_FIELDS)
 LARGEST_CHANGE = 1.5  # of a mean by an effect, in standard deviations of a block: what is larger nobody would call a disagreement after calibration
 SHIFTS = (-6.0, -4.0, -3.0, -2.0, -1.0, 1.0, 2.0, 3.0, 4.0, 6.0)
 
@@ -122,7 +125,9 @@ class Case:
         self.n = int(r.choice([30, 50, 50, 50, 100]))
         self.n = args.blocks or self.n
         self.ids = bool(r.uniform() < 0.7)
-        self.instruments = ["stops", "speed"] + (["height", "spin"] if self.ids and r.uniform() < 0.5 else [])
+        self.instruments = ["stops", "speed"] + (["height", "spin"] if self.ids and r.uniform() < 0.6 else [])
+        if "height" in self.instruments and r.uniform() < 0.5:
+            self.instruments.append("impacts")
         self.soils = {name: {"restitution": float(0.0 if r.uniform() < 0.25 else r.uniform(0.05, 0.35)), "friction": float(r.uniform(0.45, 0.8)),
                              "rolling": float(math.exp(r.uniform(math.log(0.02), math.log(0.09))))} for name in ("slope", "floor")}
         first = terrains.SLOPES[self.slope]["screens"][0]
@@ -138,7 +143,8 @@ class Case:
             if names[0] == "ids_shuffled":
                 self.ids = True
             if names[0] == "height_datum":
-                self.ids, self.instruments = True, ["stops", "speed", "height", "spin"]
+                self.ids = True
+                self.instruments = ["stops", "speed", "height", "spin"] + [i for i in self.instruments if i == "impacts"]
         elif self.tier == 2:
             table = {**SAME_FORMULA, **SAME_FAMILY}
             while len(names) < 2 or set(table[names[0]][0]) & set(table[names[1]][0]):
@@ -175,10 +181,10 @@ class Case:
         text += f'[screens]\nchainages = "{chainages}"\n\n' if dimension == 2 else f'[screens]\nfile = "{sites}/screens.gpkg"\n\n'
         text += '[observed]\naxis = "azimuth"\nazimuth_deg = 90.0\nlateral = false\n\n'
         text += "".join(effects)
-        return text + "[output]\ntrajectories = 0\n"
+        return text + "[output]\ntrajectories = 0\n" + (f"impacts = {IMPACTS}\n" if "impacts" in self.instruments else "")
 
     def throw(self, work, count, seed, soils=None, effects=(), dimension=2, every=False):
-        """Blocks of a truth: rows (mass, s, per screen speed, height, spin; NaN where not passed), and the extra screens of shifts.
+        """Blocks of a truth: rows (mass, s, per screen speed, height, spin; NaN where not passed; then what films of impacts show), and the extra screens of shifts.
 
         With `every`, each block of the case once in its order; else the blocks of the case again and again."""
         folder = Path(tempfile.mkdtemp(dir=work))
@@ -198,7 +204,7 @@ class Case:
         names = [f"ES{k + 1}" for k in range(2)] + [name for name, _ in extra]
         stops = {f["block"]: (f["block_id"], f["mass_kg"], f.GetGeometryRef().GetX(), f.GetGeometryRef().GetY(), f["stop_reason"])
                  for f in results.GetLayer("stopping_points")}
-        values = np.full((len(stops), 2 + 3 * len(names)), np.nan)
+        values = np.full((len(stops), 2 + 3 * len(names) + FILMED), np.nan)
         order = sorted(stops)
         at = {block: row for row, block in enumerate(order)}
         for block, (_, mass, x, _, _) in stops.items():
@@ -206,6 +212,9 @@ class Case:
         for f in results.GetLayer("screen_crossings"):
             k = 2 + 3 * names.index(f["screen"])
             values[at[f["block"]], k:k + 3] = f["speed_ms"], f["height_m"], f["spin_rads"]
+        for f in results.GetLayer("impacts") or ():
+            k = values.shape[1] - FILMED + len(IMPACT_FIELDS) * (f["impact"] - 1)
+            values[at[f["block"]], k:k + len(IMPACT_FIELDS)] = [f[field] for field in IMPACT_FIELDS]
         ids = [stops[block][0] for block in order]
         shutil.rmtree(folder)
         if every and sorted(ids) != sorted(row[0] for row in self.blocks):
@@ -215,8 +224,8 @@ class Case:
     # ---- measuring ----
 
     def measure(self, values, random, fault=None):
-        """What instruments and their faults make of it: noise added, columns of the two screens only."""
-        v = values[:, :8].copy()
+        """What instruments and their faults make of it: noise added, columns of the two screens and of the impacts only."""
+        v = np.concatenate([values[:, :8], values[:, -FILMED:]], axis=1)
         name, q = fault or (None, 0.0)
         if name == "screen_shift" and q:
             k = int(np.argmin(np.abs(np.array(SHIFTS) - q)))
@@ -234,6 +243,16 @@ class Case:
             np.maximum(spin, 0.0, out=spin)
             if name == "slow_missed":
                 v[speed < q, 2 + 3 * k:5 + 3 * k] = np.nan
+        if "impacts" in self.instruments:
+            for k in range(8, 8 + FILMED, 2):
+                speed, rise = v[:, k], v[:, k + 1]
+                for one in (speed, rise):
+                    one += (SPEED_ERROR[0] * np.abs(one) + SPEED_ERROR[1]) * random.standard_normal(len(v))
+                    if name == "speed_bias":
+                        one *= 1.0 + q
+                if name == "speed_noise":
+                    speed += q * random.standard_normal(len(v))
+                np.maximum(speed, 0.0, out=speed)
         v[:, 1] += POSITION_ERROR * random.standard_normal(len(v))
         if name == "ids_shuffled" and q > 0.0:
             some = np.flatnonzero(random.uniform(size=len(v)) < q)
@@ -250,6 +269,8 @@ class Case:
             columns.append(np.nan_to_num(v[:, 2 + 3 * k]))
             if "height" in self.instruments:
                 columns += [np.nan_to_num(v[:, 3 + 3 * k]), np.nan_to_num(v[:, 4 + 3 * k])]
+        if "impacts" in self.instruments:
+            columns += [np.nan_to_num(v[:, k]) for k in range(8, 8 + FILMED)]
         x = np.stack(columns, axis=1)
         if not scale:  # a share of all or nothing can move by no less than one of the n blocks without its being news
             shares = np.array([set(np.unique(c)) <= {0.0, 1.0} for c in columns])
@@ -386,6 +407,17 @@ class Case:
                     if math.isfinite(speed):
                         table.writerow([f"ES{k + 1}"] + ([name] if self.ids else []) + [f"{speed:.2f}", f"{SPEED_ERROR[0] * speed + SPEED_ERROR[1]:.2f}"]
                                        + ([f"{height:.2f}", HEIGHT_ERROR, f"{spin:.2f}", SPIN_ERROR] if more else []))
+        if "impacts" not in self.instruments:
+            return
+        with open(case / "observed" / "impacts.csv", "w", newline="", encoding="utf-8") as file:
+            table = csv.writer(file, lineterminator="\n")
+            table.writerow(["block_id", "impact", *IMPACT_FIELDS, "speed_error_ms", "rise_error_ms"])
+            for name, v in rows:
+                for k in range(IMPACTS):
+                    pair = v[8 + len(IMPACT_FIELDS) * k:8 + len(IMPACT_FIELDS) * (k + 1)]
+                    if all(math.isfinite(x) for x in pair):
+                        error = SPEED_ERROR[0] * max(pair[0], pair[2]) + SPEED_ERROR[1]
+                        table.writerow([name, k + 1, *(f"{x:.2f}" for x in pair), f"{error:.2f}", f"{error:.2f}"])
 
 
 def main():

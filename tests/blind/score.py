@@ -138,7 +138,8 @@ def main():
     print("wrong name, all cases                       ", rate(lambda c: True, wrong))
     print("a single printed name is right              ", rate(single, lambda c: c["right"]))
     print("truth among the names, where any are printed", rate(lambda c: c["tier"] in (0, 1, 6) and c["names"], lambda c: c["right"]))
-    for words, instruments in (("stops and speeds", "stops+speed"), ("with heights and spins", "stops+speed+height+spin")):
+    for words, instruments in (("stops and speeds", "stops+speed"), ("heights, spins", "stops+speed+height+spin"),
+                               ("heights, spins, impacts", "stops+speed+height+spin+impacts")):
         print(f"best of detected is right, {words:<18}", rate(lambda c: physical(c) and detected(c) and c["instruments"] == instruments, lambda c: c["top"]))
     print("outside the catalogue: wrong name           ", rate(lambda c: c["tier"] == 3, named))
     print("outside, detected: UNKNOWN or GROUP         ", rate(lambda c: c["tier"] == 3 and detected(c), lambda c: c["verdict"] in ("UNKNOWN", "GROUP")))
