@@ -35,6 +35,10 @@ Slopes slopes_of(Eigen::MatrixXd moved, Eigen::MatrixXd means, double rows_over)
 inline constexpr std::size_t kStrips = 6, kPartsOfStrip = 3;
 /// Places that an effect is followed from at most [-].
 inline constexpr std::size_t kPlaces = 2;
+/// From part number `from` of so many to before part number `to`.
+Stretch part_of(const Stretch& path, std::size_t from, std::size_t to, std::size_t parts);
+/// z to expect that a fingerprint is taken at [-].
+inline constexpr double kModerate = 6.0;
 /// Lengths of a stretch that an effect acts on, least and most, as shares of the path [-].
 inline constexpr double kShortestShare = 0.02, kLongestShare = 0.5;
 
@@ -56,7 +60,8 @@ struct Hypothesis {
     bool from_given = false;  ///< followed from the parameters that the site was given
 };
 
-/// What diagnose() and plan_test() do, step by step: the model is tested and judged in diagnosis.cpp, effects are followed in diagnoser_follow.cpp.
+/// What diagnose() and plan_test() do, step by step: the model is tested and judged in diagnosis.cpp, effects are followed in diagnoser_follow.cpp,
+/// and places found in diagnoser_places.cpp.
 class Diagnoser {
 public:
     Diagnoser(const DiagnosisProblem& problem, const ObservationTable& measured, const DiagnosisSettings& settings,
@@ -85,6 +90,7 @@ private:
     std::optional<Fingerprint> take_fingerprint(const EffectDose& dose, std::int64_t repeats);
     bool take_fingerprints();
     bool visible(std::size_t fingerprint, const ScoreResult& score) const;
+    std::optional<std::vector<Fingerprint>> take_parts(std::size_t first_strip, const ScoreResult& score);
     bool look_closer(Diagnosis& d);
     void judge(Diagnosis& d) const;
     void find(Diagnosis& d) const;

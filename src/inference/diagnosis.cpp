@@ -22,8 +22,8 @@ constexpr double kFourOfFive = 0.8416;
 constexpr double kFinalistShare = 0.45;
 /// z to expect at the largest strength allowed, below which an effect is none that could be seen [-].
 constexpr double kLeastVisible = 2.0;
-/// z to expect that a fingerprint is taken at; how many times as strong or weak it is else taken again, how much stronger at once [-], and how often.
-constexpr double kModerate = 6.0, kOtherStrength = 2.0, kMostGrowth = 4.0;
+/// How many times as strong or weak as kModerate a fingerprint is taken again, how much stronger at once [-], and how often.
+constexpr double kOtherStrength = 2.0, kMostGrowth = 4.0;
 constexpr int kTakenAgain = 2;
 /// How often the calibrated model is moved to where its residuals ask for [-], and by how much at least, in standard deviations.
 constexpr int kRecentrings = 2;
@@ -39,25 +39,6 @@ constexpr double kWorthMoving = 8.0;
 
 Eigen::VectorXd to_vector(const std::vector<double>& values) {
     return Eigen::Map<const Eigen::VectorXd>(values.data(), static_cast<Eigen::Index>(values.size()));
-}
-
-/// From part number `from` to before part number `to` of so many.
-Stretch part_of(const Stretch& path, std::size_t from, std::size_t to, std::size_t parts) {
-    const double part = path.length() / static_cast<double>(parts);
-    return {path.from + part * static_cast<double>(from), path.from + part * static_cast<double>(to)};
-}
-
-/// Standard deviation of the middle about a place, stretches weighed by how much they explain [m].
-double spread_about(double middle, const std::vector<Stretch>& places, const Eigen::VectorXd& z) {
-    const double most = z.maxCoeff();
-    double sum = 0.0, squares = 0.0;
-    for (std::size_t k = 0; k < places.size(); ++k) {
-        const double here = std::max(z[static_cast<Eigen::Index>(k)], 0.0), off = places[k].middle() - middle,
-                     weight = std::exp(0.5 * (here * here - most * most));
-        sum += weight;
-        squares += weight * off * off;
-    }
-    return std::sqrt(squares / sum);
 }
 
 /// By weight, then z.
@@ -230,69 +211,6 @@ bool Diagnoser::take_fingerprints() {
 /// At the largest strength allowed.
 bool Diagnoser::visible(std::size_t fingerprint, const ScoreResult& score) const {
     return score.visibility[static_cast<Eigen::Index>(fingerprint)] * most_of(fingerprint) >= kLeastVisible;
-}
-
-/// Where an effect acts that acts on a part of the path: fingerprints of short parts, one beside the other, add up to those of every stretch that is made of
-/// them. The stretches that explain most become variants. They were chosen by what is measured and have no part in the test.
-bool Diagnoser::look_closer(Diagnosis& d) {
-    constexpr std::size_t kParts = kStrips * kPartsOfStrip;
-    const Eigen::MatrixXd covariance = row_covariance(*base_.space);
-    std::vector<Fingerprint> all = base_.test->fingerprints();
-    for (std::size_t first = 0; first < planned_variants_; ++first) {
-        const EffectDose strip = variants_[first];
-        if (!strip.on ||
-            (first > 0 && variants_[first - 1].effect == strip.effect && variants_[first - 1].variant == strip.variant))
-            continue;
-        planned_ += kParts;
-        double known_z = 0.0;
-        std::vector<Fingerprint> parts;
-        for (std::size_t k = 0; k < kParts; ++k) {
-            const std::size_t whole = first + k / kPartsOfStrip;
-            const auto i = static_cast<Eigen::Index>(whole);
-            known_z = std::max(known_z, d.score.z[i]);
-            const double seen = std::max(d.score.visibility[i] / static_cast<double>(kPartsOfStrip), 1e-9);
-            const EffectDose dose{strip.effect, strip.variant, std::min(kModerate / seen, most_of(whole)),
-                                  part_of(path_of(whole), k, k + 1, kParts)};
-            auto fingerprint = take_fingerprint(dose, settings_.repeats);
-            if (!fingerprint) return false;
-            parts.push_back(std::move(*fingerprint));
-        }
-        std::vector<Fingerprint> stretches;
-        std::vector<Stretch> places;
-        for (std::size_t from = 0; from < kParts; ++from) {
-            Fingerprint sum{Eigen::VectorXd::Zero(covariance.rows()), 0.0};
-            double noise = 0.0;
-            for (std::size_t to = from + 1; to <= std::min(from + kParts / 2, kParts); ++to) {
-                sum.change += parts[to - 1].change;
-                noise += 1.0 / parts[to - 1].rows;
-                sum.rows = 1.0 / noise;
-                stretches.push_back(sum);
-                places.push_back(part_of(path_of(first), from, to, kParts));
-            }
-        }
-        const ScoreResult score = ScoreTest(covariance, base_.slopes.directions, deviation_, stretches)(base_.observed);
-        // the best one, and the best one of those that do not touch it
-        std::optional<Stretch> taken;
-        for (std::size_t place = 0; place < kPlaces; ++place) {
-            std::size_t best = places.size();
-            for (std::size_t k = 0; k < places.size(); ++k) {
-                const double z = score.z[static_cast<Eigen::Index>(k)];
-                if (taken && places[k].from < taken->to && taken->from < places[k].to) continue;
-                if (z > (taken ? 0.0 : known_z) &&
-                    (best == places.size() || z > score.z[static_cast<Eigen::Index>(best)]))
-                    best = k;
-            }
-            if (best == places.size()) break;
-            taken = places[best];
-            variants_.push_back({strip.effect, strip.variant, 1.0, places[best]});
-            place_spread_.push_back(spread_about(places[best].middle(), places, score.z));
-            stretches[best].judged = false;
-            all.push_back(stretches[best]);
-        }
-    }
-    base_.test.emplace(covariance, base_.slopes.directions, deviation_, std::move(all));
-    find(d);
-    return true;
 }
 
 void Diagnoser::judge(Diagnosis& d) const {
