@@ -176,7 +176,6 @@ gis::VectorLayer screen_crossings(const SiteModel& model, const CampaignResult& 
     add_plane_fields(model, layer.data.fields, {real("s_m", "Chainage s [m]")});
     std::int64_t id = 0;
     for (const ScreenCrossing& c : result.crossings) {
-        if (static_cast<std::size_t>(c.screen) >= model.campaign.screens.size()) continue;  // an impact
         const BlockResult& b = result.blocks[static_cast<std::size_t>(c.block)];
         Feature f;
         f.id = ++id;
@@ -198,7 +197,7 @@ gis::VectorLayer screen_crossings(const SiteModel& model, const CampaignResult& 
     return layer;
 }
 
-/// Those that have ended; where they begin.
+/// Where they begin.
 gis::VectorLayer impacts(const SiteModel& model, const CampaignResult& result) {
     gis::VectorLayer layer =
         empty_layer("impacts", GeometryKind::Point, "Impacts",
@@ -215,18 +214,15 @@ gis::VectorLayer impacts(const SiteModel& model, const CampaignResult& result) {
                          real("spin_after_rads", "Spin after [rad/s]"),
                          real("time_s", "Time since release [s]")};
     add_plane_fields(model, layer.data.fields, {real("s_m", "Chainage s [m]")});
-    const std::size_t screens = model.campaign.screens.size();
     std::int64_t id = 0;
-    for (std::size_t k = 1; k < result.crossings.size(); ++k) {  // by block and number: the end follows the start
-        const ScreenCrossing &before = result.crossings[k - 1], &after = result.crossings[k];
-        const auto number = static_cast<std::size_t>(after.screen);
-        if (number < screens || (number - screens) % 2 == 0) continue;
-        const BlockResult& b = result.blocks[static_cast<std::size_t>(after.block)];
+    for (const FilmedImpact& impact : result.impacts) {
+        const BlockResult& b = result.blocks[static_cast<std::size_t>(impact.block)];
+        const FilmedImpact::End &before = impact.before, &after = impact.after;
         Feature f;
         f.id = ++id;
         f.geometry = Points{before.position};
-        f.values = {static_cast<std::int64_t>((number - screens) / 2 + 1),
-                    after.block,
+        f.values = {std::int64_t{impact.number} + 1,
+                    impact.block,
                     block_id(result, b),
                     b.mass,
                     before.velocity.norm(),

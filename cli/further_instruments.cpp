@@ -51,7 +51,7 @@ ObservedSite with_instruments(const ObservedSite& observed, std::span<const Furt
     for (const ObservedCrossing& c : crossings) saw[static_cast<std::size_t>(c.screen)] = true;
     for (const ScreenCrossing& c : once.crossings) {
         const std::int32_t screen = observed.op.screen_of[static_cast<std::size_t>(c.screen)];
-        if (screen < 0 || saw[static_cast<std::size_t>(screen)]) continue;
+        if (saw[static_cast<std::size_t>(screen)]) continue;
         ObservedCrossing& passed = crossings.emplace_back();
         passed.block = observed.observations.matched ? static_cast<std::int32_t>(c.block) : -1;
         passed.screen = screen;
@@ -68,11 +68,17 @@ ObservedSite with_instruments(const ObservedSite& observed, std::span<const Furt
             c.error[static_cast<std::size_t>(kind.kinematic)] = errors.*kind.error;
         }
     }
-    for (ObservedCrossing& c : crossings) {
-        if (!observed.op.is_impact(c.screen) || saw[static_cast<std::size_t>(c.screen)]) continue;
-        for (const Kinematic k : {Kinematic::Speed, Kinematic::Rise}) {
-            c.value[static_cast<std::size_t>(k)] = 1.0;
-            c.error[static_cast<std::size_t>(k)] = errors.speed_error;
+    for (const FilmedImpact& i : once.impacts) {
+        const std::int32_t start = observed.op.start_of_impact(i.number);
+        for (const std::int32_t end : {start, start + 1}) {
+            if (saw[static_cast<std::size_t>(end)]) continue;
+            ObservedCrossing& c = crossings.emplace_back();
+            c.block = observed.observations.matched ? static_cast<std::int32_t>(i.block) : -1;
+            c.screen = end;
+            for (const Kinematic k : {Kinematic::Speed, Kinematic::Rise}) {
+                c.value[static_cast<std::size_t>(k)] = 1.0;
+                c.error[static_cast<std::size_t>(k)] = errors.speed_error;
+            }
         }
     }
     return more;

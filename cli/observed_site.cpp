@@ -184,7 +184,6 @@ private:
     void add_impacts() {
         std::int64_t most = 0;
         for (const gis::ImpactRecord& r : records_.impacts) most = std::max(most, r.impact);
-        const auto screens = static_cast<std::int64_t>(result_.op.screens.size());
         result_.op.add_impacts(static_cast<std::size_t>(most));
         for (const gis::ImpactRecord& r : records_.impacts) {
             const std::int32_t block = block_of(r.body);
@@ -192,7 +191,7 @@ private:
                 ObservedCrossing c;
                 c.row = r.row;
                 c.block = block;
-                c.screen = static_cast<std::int32_t>(screens + 2 * (r.impact - 1) + (end == &r.after ? 1 : 0));
+                c.screen = result_.op.start_of_impact(r.impact - 1) + (end == &r.after ? 1 : 0);
                 c.value = {end->speed, kNaN, end->spin, kNaN, end->rise};
                 c.error = {stated(r.speed_error, s_.speed_error), 0.0, stated(r.spin_error, s_.spin_error), 0.0,
                            stated(r.rise_error, s_.speed_error)};
@@ -477,23 +476,15 @@ ObservedSite planned_test(const SiteFile& site, const SiteModel& model, const st
         if (measured.contains("stops"))
             records.stops.push_back({row, bodies.back(), b.stop, kNaN, b.reason != StopReason::AtRest, false});
     }
-    const auto screens = static_cast<std::int32_t>(model.campaign.screens.size());
-    gis::ImpactRecord impact;
-    for (const ScreenCrossing& c : campaign.crossings) {  // by block and number: the end of an impact follows its start
-        if (c.screen >= screens) {
-            gis::ImpactEnd end{c.velocity.norm(), c.velocity.z(), kNaN};
-            if (measured.contains("spin")) end.spin = c.spin;
-            if ((c.screen - screens) % 2 == 0) {
-                impact.before = end;
-                continue;
-            }
-            impact.row = static_cast<std::int64_t>(records.impacts.size()) + 1;
-            impact.body = bodies[static_cast<std::size_t>(c.block)];
-            impact.impact = (c.screen - screens) / 2 + 1;
-            impact.after = end;
-            records.impacts.push_back(impact);
-            continue;
-        }
+    for (const FilmedImpact& i : campaign.impacts) {
+        const auto end = [&](const FilmedImpact::End& e) {
+            return gis::ImpactEnd{e.velocity.norm(), e.velocity.z(), measured.contains("spin") ? e.spin : kNaN};
+        };
+        records.impacts.push_back({static_cast<std::int64_t>(records.impacts.size()) + 1,
+                                   bodies[static_cast<std::size_t>(i.block)], i.number + 1, end(i.before), end(i.after),
+                                   kNaN, kNaN, kNaN});
+    }
+    for (const ScreenCrossing& c : campaign.crossings) {
         gis::CrossingRecord r;
         r.row = static_cast<std::int64_t>(records.crossings.size()) + 1;
         r.body = bodies[static_cast<std::size_t>(c.block)];

@@ -24,6 +24,7 @@ namespace {
 struct Partial {
     std::vector<CellMap> cells;  ///< one for the map, or one per profile
     std::vector<ScreenCrossing> crossings;
+    std::vector<FilmedImpact> impacts;
     std::vector<KeptTrajectory> trajectories;
     std::vector<std::int64_t> deposits;
     TrajectoryCounters counters;
@@ -69,6 +70,7 @@ void settle(const CampaignInput& input, std::int64_t number, const TrajectoryEnd
             if (input.deposit_zones[z].region.contains(result.stop.head<2>())) ++partial.deposits[z];
     }
     partial.crossings.insert(partial.crossings.end(), recorder.crossings().begin(), recorder.crossings().end());
+    partial.impacts.insert(partial.impacts.end(), recorder.impacts().begin(), recorder.impacts().end());
     if (number < input.kept_trajectories) partial.trajectories.push_back(recorder.take_line());
 }
 
@@ -135,6 +137,7 @@ void collect(const CampaignInput& input, tbb::enumerable_thread_specific<Partial
         for (std::size_t k = 0; k < partial.cells.size(); ++k)
             merge_cells(input.tracks.empty() ? result.cells : result.cells_along[k], partial.cells[k]);
         result.crossings.insert(result.crossings.end(), partial.crossings.begin(), partial.crossings.end());
+        result.impacts.insert(result.impacts.end(), partial.impacts.begin(), partial.impacts.end());
         std::move(partial.trajectories.begin(), partial.trajectories.end(), std::back_inserter(result.trajectories));
         for (std::size_t z = 0; z < partial.deposits.size(); ++z) result.deposits[z].count += partial.deposits[z];
         result.counters.merge(partial.counters);
@@ -142,6 +145,9 @@ void collect(const CampaignInput& input, tbb::enumerable_thread_specific<Partial
     }
     std::sort(result.crossings.begin(), result.crossings.end(), [](const ScreenCrossing& a, const ScreenCrossing& b) {
         return std::tie(a.block, a.screen) < std::tie(b.block, b.screen);
+    });
+    std::sort(result.impacts.begin(), result.impacts.end(), [](const FilmedImpact& a, const FilmedImpact& b) {
+        return std::tie(a.block, a.number) < std::tie(b.block, b.number);
     });
     std::sort(result.trajectories.begin(), result.trajectories.end(),
               [](const auto& a, const auto& b) { return a.block < b.block; });

@@ -17,8 +17,8 @@ public:
     /// Of the first `most` impacts.
     explicit ImpactWatch(std::int32_t most) : most_(most) {}
 
-    /// Takes the next segment of the motion. Calls report(impact, after, segment, share) with the place on a segment where an impact, counted from 0,
-    /// begins (after = false: where the flight before it ends) or has ended (after = true: where the flight after it begins).
+    /// Takes the next segment of the motion. Calls report(impact, before, after) once an impact, counted from 0, has ended: with the segment at whose end
+    /// it began and with the one that begins where it has ended.
     template <class Report>
     void segment(const MotionSegment<Dim>& m, const Report& report) {
         if (count_ == most_) return;
@@ -26,7 +26,7 @@ public:
         if (flying_ && !goes_on) {
             flying_ = false;
             if (flown_ >= kLeastFlight && !struck_) {
-                report(count_, false, last_, 1.0);
+                before_ = last_;
                 struck_ = true;
             }
         }
@@ -39,16 +39,15 @@ public:
         flown_ += m.duration;
         last_ = m;
         if (struck_ && flown_ >= kLeastFlight) {
-            report(count_, true, first_, 0.0);
+            report(count_++, before_, first_);
             struck_ = false;
-            ++count_;
         }
     }
 
 private:
     /// A flight that is cut into arcs goes on with the velocity that it had; an impact changes it.
     bool continues(const MotionSegment<Dim>& m) const {
-        constexpr double kRounding = 1e-9;  // [m/s]
+        constexpr double kRounding = 1e-9;  // share of the speed, and of 1 m/s
         return (m.velocity_start - last_.velocity_end).norm() <= kRounding * (1.0 + m.velocity_start.norm());
     }
 
@@ -58,6 +57,7 @@ private:
     bool struck_ = false;              ///< an impact has begun and no flight of the least length has followed
     double flown_ = 0.0;               ///< of the flight at hand [s]
     MotionSegment<Dim> first_, last_;  ///< of the flight at hand
+    MotionSegment<Dim> before_;        ///< the last one before the impact at hand
 };
 
 }  // namespace scree

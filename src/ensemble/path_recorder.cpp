@@ -26,7 +26,7 @@ PathRecorder<Dim>::PathRecorder(const CampaignInput& input, std::int64_t block, 
       block_(block),
       result_(result),
       crossed_(input.screens.size(), false),
-      impacts_(input.impacts),
+      impact_watch_(input.impacts),
       span_speed_(input.screen_span),
       keep_(block < input.kept_trajectories) {
     line_.block = block;
@@ -45,10 +45,10 @@ void PathRecorder<Dim>::segment(const MotionSegment<Dim>& m) {
         cross_screens(m);
         span_speed_.segment(m, fresh_, crossings_);
     }
-    impacts_.segment(m, [&](std::int32_t impact, bool after, const MotionSegment<Dim>& at, double share) {
-        crossings_.push_back(
-            crossing(input_.screens.size() + 2 * static_cast<std::size_t>(impact) + (after ? 1 : 0), at, share));
-    });
+    impact_watch_.segment(m,
+                          [&](std::int32_t number, const MotionSegment<Dim>& before, const MotionSegment<Dim>& after) {
+                              impacts_.push_back({block_, number, impact_end(before, 1.0), impact_end(after, 0.0)});
+                          });
     if (keep_) keep_line(m);
 }
 
@@ -70,7 +70,20 @@ void PathRecorder<Dim>::raise_cell(std::size_t cell, const MotionSegment<Dim>& m
 }
 
 template <int Dim>
-ScreenCrossing PathRecorder<Dim>::crossing(std::size_t screen, const MotionSegment<Dim>& m, double share) const {
+FilmedImpact::End PathRecorder<Dim>::impact_end(const MotionSegment<Dim>& m, double share) const {
+    const Vec position = position_at(m, share);
+    FilmedImpact::End end;
+    end.time = m.start + share * m.duration;
+    end.position = on_map(position);
+    end.velocity = velocity_on_map(position, velocity_at(m, share));
+    end.spin = m.spin_start + share * (m.spin_end - m.spin_start);
+    if constexpr (Dim == 2) end.s = position.x();
+    return end;
+}
+
+template <int Dim>
+void PathRecorder<Dim>::add_crossing(std::size_t screen, const MotionSegment<Dim>& m, double share) {
+    crossed_[screen] = true;
     const Vec position = position_at(m, share), velocity = velocity_at(m, share);
     ScreenCrossing c;
     c.block = block_;
@@ -84,14 +97,8 @@ ScreenCrossing PathRecorder<Dim>::crossing(std::size_t screen, const MotionSegme
     c.height = position[Dim - 1] - ground(position);
     c.measured_speed = velocity.norm();
     if constexpr (Dim == 2) c.s = position.x();
-    return c;
-}
-
-template <int Dim>
-void PathRecorder<Dim>::add_crossing(std::size_t screen, const MotionSegment<Dim>& m, double share) {
-    crossed_[screen] = true;
     fresh_.push_back({crossings_.size(), share});
-    crossings_.push_back(crossing(screen, m, share));
+    crossings_.push_back(c);
 }
 
 template <int Dim>

@@ -25,6 +25,7 @@ public:
 
     const std::unordered_map<std::size_t, CellValues>& cells() const { return cells_; }
     const std::vector<ScreenCrossing>& crossings() const { return crossings_; }
+    const std::vector<FilmedImpact>& impacts() const { return impacts_; }
     KeptTrajectory take_line() { return std::move(line_); }
 
 protected:
@@ -56,7 +57,7 @@ protected:
     const CampaignInput& input_;
 
 private:
-    ScreenCrossing crossing(std::size_t screen, const MotionSegment<Dim>& m, double share) const;
+    FilmedImpact::End impact_end(const MotionSegment<Dim>& m, double share) const;
     void add_crossing(std::size_t screen, const MotionSegment<Dim>& m, double share);
     void keep_line(const MotionSegment<Dim>& m);
 
@@ -67,7 +68,8 @@ private:
     std::size_t last_cell_ = 0;
     std::vector<ScreenCrossing> crossings_;
     std::vector<bool> crossed_;
-    ImpactWatch<Dim> impacts_;
+    ImpactWatch<Dim> impact_watch_;
+    std::vector<FilmedImpact> impacts_;
     SpanSpeed<Dim> span_speed_;
     std::vector<typename SpanSpeed<Dim>::Fresh> fresh_;  ///< crossings in the segment at hand
     bool keep_ = false;

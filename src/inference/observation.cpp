@@ -8,6 +8,7 @@
 #include <cmath>
 #include <map>
 #include <numeric>
+#include <optional>
 
 namespace scree {
 
@@ -181,6 +182,10 @@ KinematicValues kinematics_of(const ScreenCrossing& c) {
     return {c.measured_speed, c.height, c.spin, c.energy, c.velocity.z()};
 }
 
+KinematicValues kinematics_of(const FilmedImpact::End& end) {
+    return {end.velocity.norm(), kNaN, end.spin, kNaN, end.velocity.z()};
+}
+
 /// Adds normal errors to what the screen would have seen, but for the rise. Speeds and the like stay positive; the numbers drawn do not depend on the values.
 KinematicValues seen_at_screen(const KinematicValues& exact, const ErrorModel& errors, std::int32_t block,
                                std::size_t screen, RandomStream& random) {
@@ -301,9 +306,9 @@ ObservationTable simulated_table(const CampaignResult& campaign, const Observati
     const std::size_t test = observations.matched ? observations.blocks.size() : 0;
     const bool rises = std::any_of(table.columns.begin(), table.columns.end(),
                                    [](const Column& c) { return c.quantity == Quantity::Rise; });
-    std::vector<char> recorded;
     std::vector<std::int32_t> numbers;
     auto next = campaign.crossings.begin();
+    auto impact = campaign.impacts.begin();
     for (std::size_t k = 0; k < campaign.blocks.size(); ++k) {
         const BlockResult& b = campaign.blocks[k];
         const auto first = next;
@@ -317,23 +322,27 @@ ObservationTable simulated_table(const CampaignResult& campaign, const Observati
         const double east = random.normal(), north = random.normal();
         write.stop(b.stop.head<2>() + error * Vec2(east, north), b.reason == StopReason::AtRest);
 
+        // of what would be recorded
+        std::vector<std::optional<KinematicValues>> exact(op.screens.size());
         const auto crossings = first_crossings({first, next}, op.screen_of, op.screens.size());
-        recorded.assign(crossings.size(), 0);
-        for (std::size_t s = 0; s < crossings.size(); ++s) {
-            const bool seen = crossings[s] && (op.is_impact(static_cast<std::int32_t>(s)) ||
-                                               faults.records(crossings[s]->measured_speed));
-            KinematicValues values = seen_at_screen(crossings[s] ? kinematics_of(*crossings[s]) : KinematicValues{},
-                                                    errors, block, s, random);
+        for (std::size_t s = 0; s < crossings.size(); ++s)
+            if (crossings[s] && faults.records(crossings[s]->measured_speed)) exact[s] = kinematics_of(*crossings[s]);
+        for (; impact != campaign.impacts.end() && impact->block == static_cast<std::int64_t>(k); ++impact) {
+            if (static_cast<std::size_t>(impact->number) >= op.impacts) continue;
+            const auto start = static_cast<std::size_t>(op.start_of_impact(impact->number));
+            exact[start] = kinematics_of(impact->before);
+            exact[start + 1] = kinematics_of(impact->after);
+        }
+        for (std::size_t s = 0; s < exact.size(); ++s) {
+            KinematicValues values = seen_at_screen(exact[s].value_or(KinematicValues{}), errors, block, s, random);
             if (!op.effects.empty()) faults.apply(values, random);
-            write.passed(static_cast<std::int32_t>(s), seen);
-            if (seen) write.kinematics(static_cast<std::int32_t>(s), values);
-            recorded[s] = seen;
+            write.passed(static_cast<std::int32_t>(s), exact[s].has_value());
+            if (exact[s]) write.kinematics(static_cast<std::int32_t>(s), values);
         }
         // after all others: who measures rises as well draws the same errors of the rest
-        for (std::size_t s = 0; rises && s < crossings.size(); ++s) {
+        for (std::size_t s = 0; rises && s < exact.size(); ++s) {
             const double off = errors.of_crossing(block, s, kRise, random) * random.normal();
-            if (recorded[s])
-                write.rise(static_cast<std::int32_t>(s), faults.factor() * (crossings[s]->velocity.z() + off));
+            if (exact[s]) write.rise(static_cast<std::int32_t>(s), faults.factor() * ((*exact[s])[kRise] + off));
         }
     }
     return table;
@@ -342,7 +351,6 @@ ObservationTable simulated_table(const CampaignResult& campaign, const Observati
 void ObservationOperator::add_impacts(std::size_t count) {
     for (std::size_t k = impacts; k < count; ++k) {
         for (const char* end : {"the start of impact ", "the end of impact "}) {
-            screen_of.push_back(static_cast<std::int32_t>(screens.size()));
             screens.push_back(end + std::to_string(k + 1));
         }
     }

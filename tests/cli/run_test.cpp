@@ -64,6 +64,12 @@ TEST(Run, KeepsTheFirstImpacts) {
         const Outcome run = run_quarry_a(out, {"--set", "release.count=20", "--set", "output.impacts=2", "--set",
                                                std::string("model.dimension=") + dimension});
         ASSERT_EQ(run.code, 0) << run.err;
+        const Outcome without = run_quarry_a(folder / (std::string(dimension) + "_without"),
+                                             {"--set", std::string("model.dimension=") + dimension});
+        const auto counts = [](const std::string& text) {
+            return text.substr(text.find("screen "), text.find("results ") - text.find("screen "));
+        };
+        EXPECT_EQ(counts(run.out), counts(without.out)) << "impacts are no crossings of a screen";
         const auto impacts = read_points(out / "results.gpkg", "impacts");
         ASSERT_GT(impacts.size(), 20U);
         ASSERT_LE(impacts.size(), 40U);

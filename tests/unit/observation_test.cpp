@@ -103,13 +103,20 @@ TEST(Impacts, AreScreensThatNobodyFailsToPass) {
 
     CampaignResult campaign;
     campaign.blocks = {at_rest({40, 3}), at_rest({10, -2})};
-    campaign.crossings = {crossing_of(0, 0, 1.0, 4.0), crossing_of(1, 2, 0.5, 9.5), crossing_of(1, 3, 0.6, 4.5)};
-    campaign.crossings[1].velocity = {6.0, 0.0, -7.4};
+    campaign.crossings = {crossing_of(0, 0, 1.0, 4.0)};
+    FilmedImpact impact;
+    impact.block = 1;
+    impact.before.velocity = {6.0, 0.0, -8.0};
+    impact.after.velocity = {4.5, 0.0, 0.0};
+    campaign.impacts = {impact};
+    impact.number = 5;  // nobody measured so many
+    campaign.impacts.push_back(impact);
     const ObservationTable simulated = simulated_table(campaign, o, op, 1);
     EXPECT_EQ(simulated.columns, measured.columns);
     EXPECT_EQ(cell(simulated, {Quantity::Passed, 0}, 0), 0.0) << "too slow for the camera at the screen";
     EXPECT_EQ(cell(simulated, {Quantity::Speed, 3}, 1), 4.5) << "and not for the film of an impact";
-    EXPECT_EQ(cell(simulated, {Quantity::Rise, 2}, 1), -7.4);
+    EXPECT_EQ(cell(simulated, {Quantity::Speed, 2}, 1), 10.0);
+    EXPECT_EQ(cell(simulated, {Quantity::Rise, 2}, 1), -8.0);
     EXPECT_TRUE(std::isnan(cell(simulated, {Quantity::Rise, 2}, 0)));
 }
 

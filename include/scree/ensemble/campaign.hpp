@@ -31,9 +31,8 @@ struct Screen {
 /// The first time that a block crosses a screen, at the exact crossing of the path of its centre of mass.
 struct ScreenCrossing {
     std::int64_t block = 0;
-    std::int32_t screen =
-        0;              ///< index into the screens; beyond them: before and after impacts (CampaignInput::impacts)
-    double time = 0.0;  ///< since release [s]
+    std::int32_t screen = 0;       ///< index into the screens
+    double time = 0.0;             ///< since release [s]
     Vec3 position = Vec3::Zero();  ///< of the centre of mass [m]
     Vec3 velocity = Vec3::Zero();  ///< [m/s]
     double spin = 0.0;             ///< [rad/s]
@@ -42,6 +41,20 @@ struct ScreenCrossing {
     double measured_speed =
         0.0;          ///< as a film measures it over CampaignInput::screen_span; that at the screen if it is 0 [m/s]
     double s = kNaN;  ///< 2D: chainage along the block's profile [m]
+};
+
+/// An impact as a film of the path shows it: all that happens between two flights of 0.1 s and more (ImpactWatch).
+struct FilmedImpact {
+    std::int64_t block = 0;
+    std::int32_t number = 0;  ///< of the block's, from 0
+    struct End {
+        double time = 0.0;             ///< since release [s]
+        Vec3 position = Vec3::Zero();  ///< of the centre of mass [m]
+        Vec3 velocity = Vec3::Zero();  ///< [m/s]
+        double spin = 0.0;             ///< [rad/s]
+        double s = kNaN;               ///< 2D: chainage along the block's profile [m]
+    };
+    End before, after;  ///< where the flight before ends, and where the flight after begins
 };
 
 /// An area whose deposits are counted.
@@ -122,9 +135,7 @@ struct CampaignInput {
     std::vector<Screen> screens;
     double screen_span =
         0.0;  ///< length around a screen over which ScreenCrossing::measured_speed is a mean; 0: none [m]
-    /// First impacts of every block that are kept, each as two crossings: of number screens.size() + 2 k where impact k begins, and of the next number
-    /// where it has ended. What an impact is to a film, ImpactWatch says [-].
-    std::int32_t impacts = 0;
+    std::int32_t impacts = 0;  ///< first ones of every block that are kept [-]
     std::vector<DepositZone> deposit_zones;
     std::int64_t kept_trajectories = 0;  ///< how many of the first blocks to keep as lines [-]
     int threads = 0;                     ///< 0: all cores [-]
@@ -139,6 +150,7 @@ struct CampaignResult {
     std::vector<BlockResult> blocks;           ///< one per block number
     std::vector<std::string> block_ids;        ///< of the population's list, by row
     std::vector<ScreenCrossing> crossings;     ///< by block, then screen
+    std::vector<FilmedImpact> impacts;         ///< by block, then number
     std::vector<KeptTrajectory> trajectories;  ///< by block
     CellMap cells;                             ///< 3D
     std::vector<CellMap> cells_along;          ///< 2D: of each profile, by number of the cell along it

@@ -34,8 +34,9 @@ struct EffectVariant {
 
 /// An effect that may be missing. At strength 0 it is absent.
 struct CandidateEffect {
-    std::string name;          ///< as in the catalogue
-    bool measurement = false;  ///< acts on what is measured, not on what happens; beforehand about as strong as the reference at most
+    std::string name;  ///< as in the catalogue
+    /// Acts on what is measured, not on what happens; beforehand about as strong as the reference at most.
+    bool measurement = false;
     std::vector<EffectVariant> variants;
 };
 

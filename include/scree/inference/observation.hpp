@@ -94,7 +94,10 @@ struct ObservationOperator {
     bool is_impact(std::int32_t screen) const {
         return static_cast<std::size_t>(screen) + 2 * impacts >= screens.size();
     }
-    /// Adds impacts to the screens of a site (all of which are known by then).
+    std::int32_t start_of_impact(std::int64_t number) const {
+        return static_cast<std::int32_t>(screens.size() - 2 * impacts) + 2 * static_cast<std::int32_t>(number);
+    }
+    /// Adds impacts behind the screens of a site, all of which are known by then.
     void add_impacts(std::size_t count);
 };
 
