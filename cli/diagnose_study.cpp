@@ -64,8 +64,9 @@ public:
                 if (!study_.interrupted) refit({f});
         }
         if (!study_.interrupted) judge_refits(study_);
-        if (!study_.interrupted && study_.verdict == Verdict::Unknown) try_forces();
-        if (!study_.interrupted && study_.verdict == Verdict::Group) try_instruments_on_group();
+        if (study_.interrupted || !in_.site.settings.diagnosis_further) return;
+        if (study_.verdict == Verdict::Unknown) try_forces();
+        if (study_.verdict == Verdict::Group) try_instruments_on_group();
     }
 
     /// What has no name: when, where and for which blocks it acts, as forces tell whose fingerprints are held against what the model leaves.

@@ -354,6 +354,9 @@ void add_diagnosis(std::vector<Setting<SiteSettings>>& keys) {
     keys.push_back(d.texts("without", AT(diagnosis_without),
                            "Effects that are known to be absent and not searched for: names of the report, such as "
                            "[\"forest_drag\"] where there is no forest."));
+    keys.push_back(d.flag("further", AT(diagnosis_further),
+                          "After UNKNOWN, say when and where an unnamed force acts; after GROUP, what else to measure. "
+                          "false saves the time."));
     keys.push_back(d.integer("rounds", {1, 100}, AT(diagnosis.rounds),
                              "Surveys on the way there, of simulations all around, at most."));
 }

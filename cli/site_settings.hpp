@@ -127,6 +127,7 @@ struct SiteSettings {
     CalibrateSettings calibration;
     DiagnosisSettings diagnosis;                 ///< without its seed
     std::vector<std::string> diagnosis_without;  ///< effects that are known to be absent
+    bool diagnosis_further = true;               ///< after UNKNOWN and GROUP
 
     std::string output_directory = "out";
     std::int64_t trajectories = 100;     ///< [-]
