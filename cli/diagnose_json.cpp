@@ -126,6 +126,7 @@ std::string diagnose_json(const DiagnoseStudy& study) {
             json["global_test"]["p_any"] = d.test.p_q;
             json["global_test"]["p_effect"] = d.test.p_z;
             json["weight_none"] = d.weight_none;
+            json["weight_unnamed"] = d.weight_unnamed;
         }
         json["residuals"] = Json::array();
         for (std::size_t k = 0; k < d.residuals.size(); ++k) {

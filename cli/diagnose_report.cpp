@@ -50,6 +50,8 @@ void print_answers(std::ostream& out, const DiagnoseStudy& study) {
         out << padded("with " + a.name(), 34) << padded(gap_number(a.model.result.best_fit.gap()), 24)
             << padded(held_out_text(a.model), 11) << padded(gap_number(a.study.overall.gap), 15)
             << weight_text(a.weight()) << "\n";
+    out << padded("something without a name", 34) << std::string(24 + 11 + 15, ' ')
+        << weight_text(study.diagnosis.weight_unnamed) << "\n";
     for (const AnswerFit& a : study.answers) {
         for (const AnsweredEffect& e : a.effects)
             out << "  " << variant_name(e.variant) << ": " << strength_text(e) << "\n";

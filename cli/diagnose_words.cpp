@@ -161,7 +161,8 @@ std::string rivals(const DiagnoseStudy& study) {
     for (const EffectFinding& f : d.findings)  // by weight
         if (f.finalist && f.weight >= kWorthSaying && ++count <= study.settings.largest_group)
             text += variant_name(study.variant_of(f)) + " (weight " + weight_text(f.weight) + "), ";
-    return text + "others, or chance (" + weight_text(d.weight_none) + ")";
+    return text + "something without a name (" + weight_text(d.weight_unnamed) + "), or chance (" +
+           weight_text(d.weight_none) + ")";
 }
 
 /// What is missing has no name: what comes nearest cannot be it.

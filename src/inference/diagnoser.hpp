@@ -33,8 +33,6 @@ Slopes slopes_of(Eigen::MatrixXd moved, Eigen::MatrixXd means, double rows_over)
 
 /// Places on a path that an effect is looked for at first, and parts of each at a closer look.
 inline constexpr std::size_t kStrips = 6, kPartsOfStrip = 3;
-/// Places that an effect is followed from at most [-].
-inline constexpr std::size_t kPlaces = 2;
 /// From part number `from` of so many to before part number `to`.
 Stretch part_of(const Stretch& path, std::size_t from, std::size_t to, std::size_t parts);
 /// z to expect that a fingerprint is taken at [-].
@@ -108,6 +106,18 @@ private:
     };
     struct Box;
     class LocalMisfit;
+    /// A hypothesis on its way.
+    struct Pursuit {
+        Hypothesis best;  ///< so far
+        Survey here;      ///< the last one, and where the next one will be
+        Survey of_best;
+        Eigen::VectorXd start;
+        double trust = 0.0;  ///< how far derivatives are trusted [steps]
+        double promised =
+            kInfinity;  ///< the least that the derivatives of the last survey promise to leave anywhere [-]
+        int surveys = 0, without_better = 0;
+        bool settled = false;
+    };
     bool survey(Survey& s, std::size_t fingerprint, std::int64_t repeats);
     Box around(const Survey& s, std::size_t fingerprint, double steps) const;
     Eigen::VectorXd prior_of(std::size_t fingerprint) const;
@@ -124,7 +134,12 @@ private:
     std::vector<EffectDose> dose_of(std::size_t fingerprint, const Eigen::VectorXd& at) const;
     std::optional<double> left_at(double strength, std::size_t fingerprint);
     std::optional<std::vector<Hypothesis>> strong_finalists();
+    Pursuit begin(Hypothesis h) const;
+    bool advance(Pursuit& p);
+    void go(Pursuit& p) const;
+    Hypothesis arrived(Pursuit p) const;
     bool follow(Hypothesis& h);
+    bool follow_best(std::vector<Hypothesis> chosen, std::vector<Hypothesis>& followed);
     bool decide_close_race(std::vector<Hypothesis>& followed);
     /// For simulations that are many together, or a first look.
     std::int64_t half_repeats() const { return std::max<std::int64_t>(settings_.repeats / 2, 1); }

@@ -37,8 +37,12 @@ constexpr std::int64_t kFitDraws = 299;
 
 /// Strong effects are looked for at strengths that grow by this factor, until so many times as much is left as at the best one [-].
 constexpr double kGrow = 2.5, kMuchMore = 2.0;
-/// How many variants, of those whose fingerprints explain most, are looked at so; and of one effect at most; and how many of these are followed [-].
-constexpr std::size_t kScanned = 32, kScannedOfOne = 8, kChosenOfOne = 2;
+/// How many variants, of those whose fingerprints explain most, are looked at so; and of one effect at most [-].
+constexpr std::size_t kScanned = 32, kScannedOfOne = 8;
+/// Of how many ways or places of one effect more than one survey is made [-].
+constexpr std::size_t kChosenOfOne = 2;
+/// What leaves so much more than the best one is not followed any further [-].
+constexpr double kFarBehind = 15.0;
 
 }  // namespace
 
@@ -70,7 +74,7 @@ Slopes slopes_of(Eigen::MatrixXd moved, Eigen::MatrixXd means, double rows_over)
 std::optional<double> Diagnoser::left_at(double strength, std::size_t fingerprint) {
     EffectDose dose = variants_[fingerprint];
     dose.strength = strength;
-    auto table = simulate("finalists", base_.parameters, {dose}, settings_.repeats);
+    auto table = simulate("finalists", base_.parameters, {dose}, half_repeats());
     if (!table) return std::nullopt;
     const ResidualSpace space(std::move(*table), measured_, problem_.blocks, settings_.residuals,
                               base_.space->residuals());
@@ -258,7 +262,16 @@ private:
 
 /// So many steps of a survey to both sides, within the ranges.
 Diagnoser::Box Diagnoser::around(const Survey& s, std::size_t fingerprint, double steps) const {
-    return {within(s.at - steps * s.step, fingerprint) - s.at, within(s.at + steps * s.step, fingerprint) - s.at};
+    Box box{s.at - steps * s.step, s.at + steps * s.step};
+    const Eigen::Index count = base_.parameters.size();
+    for (Eigen::VectorXd* corner : {&box.low, &box.high}) {
+        const double middle = s.at.size() > count + 1 ? (*corner)[count + 1] : kNaN;
+        *corner = within(*corner, fingerprint) - s.at;
+        if (std::isnan(middle)) continue;
+        const Stretch& path = path_of(fingerprint);  // whatever the length will be
+        (*corner)[count + 1] = std::clamp(middle, path.from, path.to) - s.at[count + 1];
+    }
+    return box;
 }
 
 /// Inverse variances before the test, those of ranges; the strength, if there is one, may be any.
@@ -309,16 +322,16 @@ Eigen::VectorXd Diagnoser::next_steps(const Survey& s, std::size_t fingerprint) 
     return step;
 }
 
-/// Gauss-Newton on parameters, strength and place. Simulations are noisy, so that no two of them are compared on the way: every step comes from a survey of
-/// simulations all around, in the residual space of these, and is limited to where they tell something; one that leaves more is taken back and halved.
-bool Diagnoser::follow(Hypothesis& h) {
+/// From the base, whose derivatives are known.
+Diagnoser::Pursuit Diagnoser::begin(Hypothesis h) const {
     const bool any = h.fingerprint != kNoEffect;
-    const Eigen::VectorXd prior = prior_of(h.fingerprint);
-    const Eigen::Index count = base_.parameters.size(), size = prior.size();
+    const Eigen::Index count = base_.parameters.size(), size = count_of(h.fingerprint);
+    Pursuit p;
+    p.trust = kTrust;
     h.parameters = base_.parameters;
-    Eigen::VectorXd start = base_.parameters;
-    Survey s, best;
-    s.at = start;
+    p.start = unknowns_of(h);
+    Survey& s = p.here;
+    s.at = p.start;
     s.step = base_.step;
     s.slopes = base_.slopes;
     s.covariance = row_covariance(*base_.space);
@@ -328,7 +341,6 @@ bool Diagnoser::follow(Hypothesis& h) {
         const Fingerprint& f = base_.test->fingerprints()[h.fingerprint];
         const double seen = (*base_.test)(base_.observed).visibility[static_cast<Eigen::Index>(h.fingerprint)],
                      most = most_of(h.fingerprint);
-        s.at = start = unknowns_of(h);
         s.step.conservativeResize(size);
         s.step[count] = std::clamp(std::max(kStrengthStep / std::max(seen, 1e-9), kStrengthShare * h.strength),
                                    kLeastStrength * most, kMostStrengthStep * most);
@@ -337,38 +349,79 @@ bool Diagnoser::follow(Hypothesis& h) {
         s.slopes.directions.col(count) = f.change;
         if (h.on) s.step.tail(2) << kMostMiddleStep * h.on->length(), kMostLengthStep;
     }
-    double trust = kTrust;
-    const auto go = [&] {
-        // what the simulations hardly tell apart stays where it is
-        s.at += LocalMisfit(s, prior).best(around(s, h.fingerprint, trust), (trust * s.step).array().square().inverse(),
-                                           start - s.at);
-        s.at = within(s.at, h.fingerprint);
-    };
-    if (!(h.strength > 0.0)) go();  // from the base, which is known; a strength that was scanned for is far from it
-    h.q = kInfinity;
+    const bool far = h.strength > 0.0;  // one that was scanned for is far from what the base knows
+    p.best = std::move(h);
+    p.best.q = kInfinity;
+    if (!far) go(p);
+    return p;
+}
 
-    const int patience = h.on ? kWithoutBetterPlace : kWithoutBetter;
-    for (int round = 0, without_better = 0; round < settings_.rounds && without_better < patience; ++round) {
-        if (!survey(s, h.fingerprint, half_repeats())) return false;
-        Hypothesis here = h;
-        judge(here, s);
-        without_better = here.q < h.q - kSettled ? 0 : without_better + 1;
-        if (here.q < h.q) {
-            const LocalMisfit misfit(s, prior);
-            const double promised =
-                misfit.at(Eigen::VectorXd::Zero(size)) - misfit.at(misfit.best(around(s, h.fingerprint, trust)));
-            s.step = next_steps(s, h.fingerprint);
-            here.step = s.step;
-            h = std::move(here);
-            best = s;
-            if (promised < kSettled) break;
-        } else {
-            s = best;  // too far
-            trust *= 0.5;
-        }
-        go();
+/// To where the last survey promises least; what its simulations hardly tell apart stays where it is.
+void Diagnoser::go(Pursuit& p) const {
+    Survey& s = p.here;
+    const std::size_t fingerprint = p.best.fingerprint;
+    s.at += LocalMisfit(s, prior_of(fingerprint))
+                .best(around(s, fingerprint, p.trust), (p.trust * s.step).array().square().inverse(), p.start - s.at);
+    s.at = within(s.at, fingerprint);
+}
+
+/// Gauss-Newton on parameters, strength and place. Simulations are noisy, so that no two of them are compared on the way: every step comes from a survey of
+/// simulations all around, in the residual space of these, and is limited to where they tell something; one that leaves more is taken back and halved.
+bool Diagnoser::advance(Pursuit& p) {
+    const std::size_t fingerprint = p.best.fingerprint;
+    if (p.surveys > 0) go(p);
+    if (!survey(p.here, fingerprint, half_repeats())) return false;
+    const LocalMisfit misfit(p.here, prior_of(fingerprint));
+    p.promised = misfit.at(misfit.best(around(p.here, fingerprint, kInfinity)));
+    Hypothesis here = p.best;
+    judge(here, p.here);
+    p.without_better = here.q < p.best.q - kSettled ? 0 : p.without_better + 1;
+    if (here.q < p.best.q) {
+        const double left = misfit.at(Eigen::VectorXd::Zero(p.here.at.size()));
+        p.settled = left - misfit.at(misfit.best(around(p.here, fingerprint, p.trust))) < kSettled;
+        p.here.step = here.step = next_steps(p.here, fingerprint);
+        p.best = std::move(here);
+        p.of_best = p.here;
+    } else {  // too far
+        p.here = p.of_best;
+        p.trust *= 0.5;
     }
-    h.p = goodness_of_fit(best, h.fingerprint, h.q);
+    const int patience = p.best.on ? kWithoutBetterPlace : kWithoutBetter;
+    if (++p.surveys == settings_.rounds || p.without_better == patience) p.settled = true;
+    return true;
+}
+
+Hypothesis Diagnoser::arrived(Pursuit p) const {
+    p.best.p = goodness_of_fit(p.of_best, p.best.fingerprint, p.best.q);
+    return std::move(p.best);
+}
+
+bool Diagnoser::follow(Hypothesis& h) {
+    Pursuit p = begin(std::move(h));
+    while (!p.settled)
+        if (!advance(p)) return false;
+    h = arrived(std::move(p));
+    return true;
+}
+
+/// Every one by a survey, and then those that promise most, as long as they may come near the best. Adds them to those that have been followed.
+bool Diagnoser::follow_best(std::vector<Hypothesis> chosen, std::vector<Hypothesis>& followed) {
+    std::vector<Pursuit> pursuits;
+    for (Hypothesis& h : chosen) {
+        pursuits.push_back(begin(std::move(h)));
+        if (!advance(pursuits.back())) return false;
+    }
+    std::stable_sort(pursuits.begin(), pursuits.end(),
+                     [](const Pursuit& a, const Pursuit& b) { return a.promised < b.promised; });
+    std::vector<std::size_t> chosen_of(problem_.effects.size(), 0);
+    double least = kInfinity;
+    for (Pursuit& p : pursuits) {
+        if (chosen_of[variants_[p.best.fingerprint].effect]++ == kChosenOfOne) continue;
+        while (!p.settled && p.promised < least + kFarBehind)
+            if (!advance(p)) return false;
+        least = std::min(least, p.best.q);
+        followed.push_back(arrived(std::move(p)));
+    }
     return true;
 }
 

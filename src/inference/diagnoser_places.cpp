@@ -4,12 +4,15 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 namespace scree {
 
 namespace {
 
 constexpr std::size_t kParts = kStrips * kPartsOfStrip;
+/// Places that become variants, of an effect's way to act, at most [-].
+constexpr std::size_t kPlaces = 4;
 
 /// Every stretch of up to half a path that is made of its parts, with the sum of their fingerprints.
 struct Stretches {
@@ -32,26 +35,34 @@ Stretches stretches_of(const Stretch& path, const std::vector<Fingerprint>& part
     return all;
 }
 
-/// The one with the largest z above `least` of those that do not touch `taken`; places.size() if there is none.
-std::size_t best_place(const std::vector<Stretch>& places, const Eigen::VectorXd& z, double least,
-                       const std::optional<Stretch>& taken) {
-    std::size_t best = places.size();
-    for (std::size_t k = 0; k < places.size(); ++k) {
-        const double here = z[static_cast<Eigen::Index>(k)];
-        const bool touches = taken && places[k].from < taken->to && taken->from < places[k].to;
-        if (touches || !(here > least)) continue;
-        best = k;
-        least = here;
+bool same_place(const Stretch& a, const Stretch& b) {
+    const auto within = [](double s, const Stretch& on) { return s > on.from && s < on.to; };
+    return within(a.middle(), b) || within(b.middle(), a);
+}
+
+/// Those with the largest z, each in a place of its own.
+std::vector<std::size_t> best_places(const std::vector<Stretch>& places, const Eigen::VectorXd& z) {
+    std::vector<std::size_t> order(places.size()), best;
+    std::iota(order.begin(), order.end(), std::size_t{0});
+    std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
+        return z[static_cast<Eigen::Index>(a)] > z[static_cast<Eigen::Index>(b)];
+    });
+    for (const std::size_t k : order) {
+        if (best.size() == kPlaces || !(z[static_cast<Eigen::Index>(k)] > 0.0)) break;
+        if (std::none_of(best.begin(), best.end(), [&](std::size_t b) { return same_place(places[k], places[b]); }))
+            best.push_back(k);
     }
     return best;
 }
 
-/// Standard deviation of the middle about a place, stretches weighed by how much they explain [m].
-double spread_about(double middle, const std::vector<Stretch>& places, const Eigen::VectorXd& z) {
-    const double most = z.maxCoeff();
+/// Standard deviation of the middle, stretches in the same place weighed by how much they explain [m].
+double spread_of(std::size_t place, const std::vector<Stretch>& places, const Eigen::VectorXd& z) {
+    const double most = z[static_cast<Eigen::Index>(place)];
     double sum = 0.0, squares = 0.0;
     for (std::size_t k = 0; k < places.size(); ++k) {
-        const double here = std::max(z[static_cast<Eigen::Index>(k)], 0.0), off = places[k].middle() - middle,
+        if (!same_place(places[k], places[place])) continue;
+        const double here = std::max(z[static_cast<Eigen::Index>(k)], 0.0),
+                     off = places[k].middle() - places[place].middle(),
                      weight = std::exp(0.5 * (here * here - most * most));
         sum += weight;
         squares += weight * off * off;
@@ -96,16 +107,10 @@ bool Diagnoser::look_closer(Diagnosis& d) {
         const Stretches stretches = stretches_of(path_of(first), *parts);
         const Eigen::VectorXd z =
             ScoreTest(covariance, base_.slopes.directions, deviation_, stretches.fingerprints)(base_.observed).z;
-        // one that explains more than a strip does, and another one beside it
-        double least = std::max(d.score.z.segment(static_cast<Eigen::Index>(first), kStrips).maxCoeff(), 0.0);
-        std::optional<Stretch> taken;
-        for (std::size_t k = 0; k < kPlaces; ++k, least = 0.0) {
-            const std::size_t best = best_place(stretches.places, z, least, taken);
-            if (best == stretches.places.size()) break;
-            taken = stretches.places[best];
-            variants_.push_back({strip.effect, strip.variant, 1.0, taken});
-            place_spread_.push_back(spread_about(taken->middle(), stretches.places, z));
-            all.push_back(stretches.fingerprints[best]);
+        for (const std::size_t k : best_places(stretches.places, z)) {
+            variants_.push_back({strip.effect, strip.variant, 1.0, stretches.places[k]});
+            place_spread_.push_back(spread_of(k, stretches.places, z));
+            all.push_back(stretches.fingerprints[k]);
         }
         first += kStrips - 1;
     }

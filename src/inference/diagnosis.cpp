@@ -355,17 +355,15 @@ bool Diagnoser::follow_from_given(Diagnosis& d, std::vector<Hypothesis>& followe
     if (!take_fingerprints()) return false;
     auto chosen = strong_finalists();
     if (!chosen) return false;
-    for (Hypothesis& h : *chosen) {
-        if (!follow(h)) return false;
-        followed.push_back(std::move(h));
-    }
+    if (!follow_best(std::move(*chosen), followed)) return false;
     std::swap(given, base_);
     return decide_close_race(followed);
 }
 
 /// Posterior weights of the finalists: likelihood, times the price of strength and place (Laplace's approximation with priors that are flat over the
 /// allowed strengths, the path, and the logarithm of the length; instruments that err by more than the reference strength are believed less and less) and of
-/// the choice among effects and variants. The calibrated model is weighed against the best of them by the z of its fingerprint, whose noise is that of one
+/// the choice among effects and variants. Something without a name may have moved the mean residual anywhere, by an unknown multiple of its noise: its likelihood is the
+/// largest over that multiple. The calibrated model is weighed against the best of them by the z of its fingerprint, whose noise is that of one
 /// simulation and not of two; by what it leaves itself, once followed as effects are, where that is more beyond the noise of two; and by that alone where
 /// the effect was out of sight.
 void Diagnoser::weigh(Diagnosis& d, std::vector<Hypothesis>& followed) const {
@@ -385,7 +383,7 @@ void Diagnoser::weigh(Diagnosis& d, std::vector<Hypothesis>& followed) const {
         if (h.on)
             sum += share(h.middle_deviation, path_of(h.fingerprint).length()) +
                    share(h.length_deviation, std::log(kLongestShare / kShortestShare));
-        return sum + std::log((1.0 - settings_.prior_none) /
+        return sum + std::log((1.0 - settings_.prior_none) * (1.0 - settings_.prior_unnamed) /
                               static_cast<double>(problem_.effects.size() * effect.variants.size()));
     };
     const auto log_of = [&](const Hypothesis& h) { return -0.5 * h.q + price(h); };
@@ -393,12 +391,20 @@ void Diagnoser::weigh(Diagnosis& d, std::vector<Hypothesis>& followed) const {
                      [&](const Hypothesis& a, const Hypothesis& b) { return log_of(a) > log_of(b); });
     const auto effect_of = [&](const Hypothesis& h) { return variants_[h.fingerprint].effect; };
     for (std::size_t k = 1; k < followed.size();) {  // of an effect that was followed twice the better one
-        const bool known = std::any_of(followed.begin(), followed.begin() + static_cast<std::ptrdiff_t>(k),
-                                       [&](const Hypothesis& h) { return effect_of(h) == effect_of(followed[k]); });
-        if (known)
-            followed.erase(followed.begin() + static_cast<std::ptrdiff_t>(k));
-        else
+        const auto here = followed.begin() + static_cast<std::ptrdiff_t>(k);
+        const auto better =
+            std::find_if(followed.begin(), here, [&](const Hypothesis& h) { return effect_of(h) == effect_of(*here); });
+        if (better == here) {
             ++k;
+            continue;
+        }
+        if (better->on && here->on) {  // perhaps it acts in the other place
+            const double ratio = std::exp(log_of(*here) - log_of(*better));
+            better->middle_deviation =
+                std::hypot(better->middle_deviation,
+                           std::sqrt(ratio / (1.0 + ratio)) * (here->on->middle() - better->on->middle()));
+        }
+        followed.erase(here);
     }
     for (const Hypothesis& h : followed) log_weight.push_back(log_of(h));
     const Hypothesis& best = followed.front();
@@ -407,10 +413,16 @@ void Diagnoser::weigh(Diagnosis& d, std::vector<Hypothesis>& followed) const {
                             ? std::max(d.score.q - best.q, 0.0)
                             : std::max(z > 0.0 ? z * z : 0.0, std::min(d.score.q, left_without_) - best.q - kQNoise);
     const double log_none = log_weight.front() - 0.5 * gain - price(best) + std::log(settings_.prior_none);
-    const double most = std::max(log_weight.front(), log_none);
-    double sum = std::exp(log_none - most);
+    const double left = best.q + gain,
+                 free = std::max(
+                     static_cast<double>(d.score.standardised.size()) - static_cast<double>(deviation_.size()), 1.0);
+    const double log_unnamed = -0.5 * std::min(left, free * (1.0 + std::log(std::max(left / free, 1.0)))) +
+                               std::log((1.0 - settings_.prior_none) * settings_.prior_unnamed);
+    const double most = std::max({log_weight.front(), log_none, log_unnamed});
+    double sum = std::exp(log_none - most) + std::exp(log_unnamed - most);
     for (const double w : log_weight) sum += std::exp(w - most);
     d.weight_none = std::exp(log_none - most) / sum;
+    d.weight_unnamed = std::exp(log_unnamed - most) / sum;
     for (std::size_t k = 0; k < followed.size(); ++k) {
         const EffectDose& v = variants_[followed[k].fingerprint];
         EffectFinding& f = *std::find_if(d.findings.begin(), d.findings.end(),
@@ -462,9 +474,7 @@ Diagnosis Diagnoser::run(Of of) {
     if (measured && rejected(d) && !settle_base(d)) return d;
     std::vector<Hypothesis> followed;
     if (measured && rejected(d) && !look_closer(d)) return d;
-    if (measured && rejected(d)) followed = finalists(d.findings);
-    for (Hypothesis& h : followed)
-        if (!follow(h)) return d;
+    if (measured && rejected(d) && !follow_best(finalists(d.findings), followed)) return d;
     if (!decide_close_race(followed)) return d;
     if (measured && rejected(d)) conclude(d, followed);
     if (measured && rejected(d) && !explained_by(followed) && !problem_.given.empty()) {

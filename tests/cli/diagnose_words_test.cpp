@@ -16,7 +16,8 @@ DiagnoseStudy unknown(const std::vector<double>& weights, double p) {
     DiagnoseStudy study;
     study.verdict = study.diagnosis.verdict = Verdict::Unknown;
     study.diagnosis.test.p = 0.002;
-    study.diagnosis.weight_none = 1.0;
+    study.diagnosis.weight_none = 0.96;
+    study.diagnosis.weight_unnamed = 0.04;
     const std::array kinds{EffectKind::GroundDrag, EffectKind::SoilPatch, EffectKind::SlowMissed,
                            EffectKind::Roughness};
     for (std::size_t k = 0; k < weights.size(); ++k) {
@@ -36,7 +37,8 @@ DiagnoseStudy unknown(const std::vector<double>& weights, double p) {
 TEST(DiagnoseWords, ManyThatCouldBeItAreNoNamelessEffect) {
     EXPECT_EQ(verdict_sentence(unknown({0.5, 0.25, 0.15, 0.04}, 0.3)),
               "UNKNOWN: something is missing (p = 0.002), and these measurements do not say what: ground_drag (weight "
-              "0.500), soil_patch (weight 0.250), slow_missed (weight 0.150), others, or chance (0.060)");
+              "0.500), soil_patch (weight 0.250), slow_missed (weight 0.150), something without a "
+              "name (0.040), or chance (0.020)");
 }
 
 TEST(DiagnoseWords, WhatComesNearestAndCannotBeIt) {

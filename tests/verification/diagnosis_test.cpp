@@ -10,6 +10,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iostream>
 
 namespace scree {
 namespace {
@@ -192,6 +193,39 @@ TEST(Diagnosis, NamesWhatIsHidden) {
         EXPECT_GE(near, 6) << problem.effects[hidden].name;
         EXPECT_GE(covered, right - 2) << problem.effects[hidden].name;  // 95 %
     }
+}
+
+// How often what is said is right, in more tests than the default ones have time for: the figures in src/README.md.
+TEST(Diagnosis, DISABLED_Statistics) {
+    const auto blocks = blocks_of_test();
+    const DiagnosisProblem problem = problem_for(blocks, all_effects());
+    const auto count = [&](const std::string& name, std::uint64_t first, std::uint64_t tests, std::size_t hidden,
+                           double strength) {
+        int rejected = 0, best = 0, named = 0, wrong = 0, grouped = 0, covered = 0;
+        for (std::uint64_t k = first; k < first + tests; ++k) {
+            std::vector<EffectDose> doses;
+            if (hidden < kEffects) doses.push_back({hidden, 0, strength});
+            const Diagnosis d = diagnosis_of(blocks, problem, measured(blocks, k, doses), k);
+            if (d.verdict == Verdict::None) continue;
+            ++rejected;
+            const EffectFinding& f = d.findings.front();
+            best += f.effect == hidden;
+            grouped += d.verdict == Verdict::Group;
+            if (d.verdict != Verdict::Named && d.verdict != Verdict::DataProblem) continue;
+            const bool right = d.answer.size() == 1 && d.answer.front().effect == hidden;
+            ++(right ? named : wrong);
+            covered += right && std::abs(f.strength - strength) < 1.96 * f.strength_deviation;
+        }
+        std::cout << name << ", strength " << strength << ": " << tests << " tests, " << rejected << " rejected, best "
+                  << best << ", named " << named << " (strength within its 95 %: " << covered << "), group " << grouped
+                  << ", wrong " << wrong << std::endl;
+    };
+    count("nothing hidden", 10000, 400, kEffects, 0.0);
+    for (const std::size_t hidden : {kSpeedCap, kMassTrend, kDepositAt50, kSpeedBias})
+        for (const double share : {0.4, 0.7}) {
+            const std::string& name = problem.effects[hidden].name;
+            count(name, 20000 + 1000 * hidden, 60, hidden, share * problem.effects[hidden].variants.front().most);
+        }
 }
 
 // Where an effect acts is found besides how strong it is: between the places where the first look looks, and narrower.

@@ -21,9 +21,9 @@ namespace scree {
 /// (ScoreTest), the finalists then by simulations at the strength and parameters that explain it best, with a Gaussian likelihood of the mean
 /// residual whose mean and covariance are simulated there (after the synthetic likelihood of Wood 2010, Nature 466:1102-1104, but every hypothesis in its
 /// own residual space and without the determinant of its covariance: a hypothesis that predicts too widely pays through the spread of its residuals only).
-/// Their weights, with the price of free strengths and places and beside that of the calibrated model itself, are the answer: one name, a group that the
-/// data cannot tell apart, or none of them where the best one is rejected, too, or where the calibrated model remains a serious rival. Where one effect is
-/// not enough, the best ones become part of the model, and a second is looked for in the same way: at most two are named.
+/// Their weights, with the price of free strengths and places and beside those of the calibrated model itself and of something that has no name, are the
+/// answer: one name, a group that the data cannot tell apart, or none of them where the best one is rejected, too, or where these two remain serious rivals.
+/// Where few things were measured, one of many effects is likely to fit whatever is missing: then it takes more for a name. Where one effect is not enough, the best ones become part of the model, and a second is looked for in the same way: at most two are named.
 
 /// One way in which an effect may act: a sign, a parameter other than its strength.
 struct EffectVariant {
@@ -78,8 +78,9 @@ struct DiagnosisSettings {
     int rounds = 6;             ///< surveys on the way there, at most: it ends where it has settled [-]
     double prior_none =
         0.5;  ///< weight of the calibrated model before the data, once the test has rejected it; the effects share the rest [-]
-    double named = 0.95;  ///< weight at which one name is said; less says groups [-]
-    double group = 0.95;  ///< weight that a group has to reach [-]
+    double prior_unnamed = 0.2;  ///< share of what is missing that has no name in the catalogue, before the data [-]
+    double named = 0.95;         ///< weight at which one name is said; less says groups [-]
+    double group = 0.95;         ///< weight that a group has to reach [-]
     std::size_t largest_group = 3;
     double rejected =
         0.02;  ///< an explanation whose own simulations look like the measurements less often than this is none [-]
@@ -109,13 +110,14 @@ struct EffectFinding {
     std::vector<double> parameter_deviation;  ///< their standard deviations, all else being free [*]
     double misfit = kNaN;                     ///< Q that is left [-]
     double p = kNaN;                          ///< of so much being left if this is the answer [-]
-    double weight = 0.0;                      ///< among the finalists and the calibrated model [-]
+    double weight = 0.0;  ///< among the finalists, the calibrated model and something without a name [-]
 };
 
 struct Diagnosis {
     bool interrupted = false;  ///< nothing below is then filled
     Verdict verdict = Verdict::None;
     double weight_none = 1.0;             ///< of the calibrated model as it is [-]
+    double weight_unnamed = 0.0;          ///< of something that is not in the catalogue [-]
     std::vector<EffectFinding> answer;    ///< one if named, several of a group or data problem, best first
     bool together = false;                ///< the two of `answer` act both: neither suffices alone
     std::vector<EffectFinding> findings;  ///< of all effects, by weight, then z
