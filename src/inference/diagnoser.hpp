@@ -50,6 +50,7 @@ struct Hypothesis {
     double strength_deviation = kNaN;
     std::optional<Stretch> on;  ///< where the effect acts, if that is to be found
     double middle_deviation = kNaN;
+    double place_spread = 0.0;       ///< of the middle, as fingerprints of places nearby have it [m]
     double length_deviation = kNaN;  ///< of its logarithm [-]
     std::vector<double> parameter_deviation;
     Eigen::VectorXd step;  ///< of a survey around all of them
@@ -112,9 +113,9 @@ private:
         Survey here;      ///< the last one, and where the next one will be
         Survey of_best;
         Eigen::VectorXd start;
-        double trust = 0.0;  ///< how far derivatives are trusted [steps]
-        double promised =
-            kInfinity;  ///< the least that the derivatives of the last survey promise to leave anywhere [-]
+        double trust = 0.0;           ///< how far derivatives are trusted [steps]
+        double left = kInfinity;      ///< at the last survey [-]
+        double promised = kInfinity;  ///< the least that its derivatives promise to leave anywhere [-]
         int surveys = 0, without_better = 0;
         bool settled = false;
     };
@@ -134,21 +135,28 @@ private:
     std::vector<EffectDose> dose_of(std::size_t fingerprint, const Eigen::VectorXd& at) const;
     std::optional<double> left_at(double strength, std::size_t fingerprint);
     std::optional<std::vector<Hypothesis>> strong_finalists();
+    bool look_again(const Pursuit& p, std::optional<Hypothesis>& found);
+    bool look_again(std::vector<Pursuit>& pursuits, double least);
     Pursuit begin(Hypothesis h) const;
     bool advance(Pursuit& p);
     void go(Pursuit& p) const;
     Hypothesis arrived(Pursuit p) const;
     bool follow(Hypothesis& h);
+    /// But for the place.
+    bool same_way(const Hypothesis& a, const Hypothesis& b) const {
+        const EffectDose &of_a = variants_[a.fingerprint], &of_b = variants_[b.fingerprint];
+        return of_a.effect == of_b.effect && of_a.variant == of_b.variant;
+    }
+    bool pursue(Pursuit& p, double& least);
     bool follow_best(std::vector<Hypothesis> chosen, std::vector<Hypothesis>& followed);
     bool decide_close_race(std::vector<Hypothesis>& followed);
     /// For simulations that are many together, or a first look.
     std::int64_t half_repeats() const { return std::max<std::int64_t>(settings_.repeats / 2, 1); }
     bool rejected(const Diagnosis& d) const { return d.test.p <= settings_.level; }
     /// By something that happens: before an instrument is blamed, the ground is asked from all sides.
-    bool explained_by(std::span<const Hypothesis> followed) const {
-        return std::any_of(followed.begin(), followed.end(), [&](const Hypothesis& h) {
-            return h.p > settings_.rejected && !problem_.effects[variants_[h.fingerprint].effect].measurement;
-        });
+    bool explained(const Diagnosis& d) const {
+        const EffectFinding& best = d.findings.front();
+        return best.finalist && best.p > settings_.rejected && !problem_.effects[best.effect].measurement;
     }
     bool move_base(Diagnosis& d, const Hypothesis& without);
     bool settle_base(Diagnosis& d);

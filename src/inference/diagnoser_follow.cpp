@@ -37,11 +37,11 @@ constexpr std::int64_t kFitDraws = 299;
 
 /// Strong effects are looked for at strengths that grow by this factor, until so many times as much is left as at the best one [-].
 constexpr double kGrow = 2.5, kMuchMore = 2.0;
-/// How many variants, of those whose fingerprints explain most, are looked at so; and of one effect at most [-].
-constexpr std::size_t kScanned = 32, kScannedOfOne = 8;
-/// Of how many ways or places of one effect more than one survey is made [-].
-constexpr std::size_t kChosenOfOne = 2;
-/// What leaves so much more than the best one is not followed any further [-].
+/// How many variants, of those whose fingerprints explain most, are looked at so; and of one effect at most; and how many of these are followed [-].
+constexpr std::size_t kScanned = 32, kScannedOfOne = 8, kChosenOfOne = 2;
+/// In how many places of one effect more than one survey is made [-].
+constexpr std::ptrdiff_t kPlacesOfOne = 2;
+/// What leaves so much more than the best one, with less than that to gain, is not followed any further [-].
 constexpr double kFarBehind = 15.0;
 
 }  // namespace
@@ -301,8 +301,7 @@ void Diagnoser::judge(Hypothesis& h, const Survey& s) const {
     h.on = dose_of(h.fingerprint, to).front().on;
     if (!h.on) return;
     h.middle_deviation = misfit.deviation(count + 1);
-    if (h.fingerprint >= planned_variants_)  // there may be other places that explain as much
-        h.middle_deviation = std::hypot(h.middle_deviation, place_spread_[h.fingerprint - planned_variants_]);
+    h.middle_deviation = std::hypot(h.middle_deviation, h.place_spread);  // other places may explain as much
     h.length_deviation = misfit.deviation(count + 2);
 }
 
@@ -328,7 +327,7 @@ Diagnoser::Pursuit Diagnoser::begin(Hypothesis h) const {
     const Eigen::Index count = base_.parameters.size(), size = count_of(h.fingerprint);
     Pursuit p;
     p.trust = kTrust;
-    h.parameters = base_.parameters;
+    if (h.parameters.size() == 0) h.parameters = base_.parameters;
     p.start = unknowns_of(h);
     Survey& s = p.here;
     s.at = p.start;
@@ -349,7 +348,7 @@ Diagnoser::Pursuit Diagnoser::begin(Hypothesis h) const {
         s.slopes.directions.col(count) = f.change;
         if (h.on) s.step.tail(2) << kMostMiddleStep * h.on->length(), kMostLengthStep;
     }
-    const bool far = h.strength > 0.0;  // one that was scanned for is far from what the base knows
+    const bool far = h.strength > 0.0;  // one that has been looked for is far from what the base knows
     p.best = std::move(h);
     p.best.q = kInfinity;
     if (!far) go(p);
@@ -372,13 +371,13 @@ bool Diagnoser::advance(Pursuit& p) {
     if (p.surveys > 0) go(p);
     if (!survey(p.here, fingerprint, half_repeats())) return false;
     const LocalMisfit misfit(p.here, prior_of(fingerprint));
+    p.left = misfit.at(Eigen::VectorXd::Zero(p.here.at.size()));
     p.promised = misfit.at(misfit.best(around(p.here, fingerprint, kInfinity)));
     Hypothesis here = p.best;
     judge(here, p.here);
     p.without_better = here.q < p.best.q - kSettled ? 0 : p.without_better + 1;
     if (here.q < p.best.q) {
-        const double left = misfit.at(Eigen::VectorXd::Zero(p.here.at.size()));
-        p.settled = left - misfit.at(misfit.best(around(p.here, fingerprint, p.trust))) < kSettled;
+        p.settled = p.left - misfit.at(misfit.best(around(p.here, fingerprint, p.trust))) < kSettled;
         p.here.step = here.step = next_steps(p.here, fingerprint);
         p.best = std::move(here);
         p.of_best = p.here;
@@ -404,24 +403,34 @@ bool Diagnoser::follow(Hypothesis& h) {
     return true;
 }
 
-/// Every one by a survey, and then those that promise most, as long as they may come near the best. Adds them to those that have been followed.
+/// As long as it may come near the least that another one leaves.
+bool Diagnoser::pursue(Pursuit& p, double& least) {
+    const auto hopeless = [&] { return p.promised > least + kFarBehind && p.left < p.promised + kFarBehind; };
+    while (!p.settled && !hopeless())
+        if (!advance(p)) return false;
+    least = std::min(least, p.best.q);
+    return true;
+}
+
+/// Every one by a survey, and then those that promise most. Adds them to those that have been followed.
 bool Diagnoser::follow_best(std::vector<Hypothesis> chosen, std::vector<Hypothesis>& followed) {
-    std::vector<Pursuit> pursuits;
+    std::vector<Pursuit> all, pursuits;
     for (Hypothesis& h : chosen) {
-        pursuits.push_back(begin(std::move(h)));
-        if (!advance(pursuits.back())) return false;
+        all.push_back(begin(std::move(h)));
+        if (!advance(all.back())) return false;
     }
-    std::stable_sort(pursuits.begin(), pursuits.end(),
+    std::stable_sort(all.begin(), all.end(),
                      [](const Pursuit& a, const Pursuit& b) { return a.promised < b.promised; });
-    std::vector<std::size_t> chosen_of(problem_.effects.size(), 0);
     double least = kInfinity;
-    for (Pursuit& p : pursuits) {
-        if (chosen_of[variants_[p.best.fingerprint].effect]++ == kChosenOfOne) continue;
-        while (!p.settled && p.promised < least + kFarBehind)
-            if (!advance(p)) return false;
-        least = std::min(least, p.best.q);
-        followed.push_back(arrived(std::move(p)));
+    for (Pursuit& p : all) {
+        const auto better = std::count_if(pursuits.begin(), pursuits.end(),
+                                          [&](const Pursuit& other) { return same_way(other.best, p.best); });
+        if (better >= kPlacesOfOne) continue;
+        if (!pursue(p, least)) return false;
+        pursuits.push_back(std::move(p));
     }
+    if (!look_again(pursuits, least)) return false;
+    for (Pursuit& p : pursuits) followed.push_back(arrived(std::move(p)));
     return true;
 }
 

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numeric>
+#include <utility>
 
 namespace scree {
 
@@ -13,6 +14,11 @@ namespace {
 constexpr std::size_t kParts = kStrips * kPartsOfStrip;
 /// Places that become variants, of an effect's way to act, at most [-].
 constexpr std::size_t kPlaces = 4;
+/// How many are looked for again, and how much more they may leave than the best of all [-].
+constexpr std::size_t kLookedForAgain = 2;
+constexpr double kWorthAnotherLook = 30.0;
+/// Stretches that have so much in common are one and the same then [-].
+constexpr double kNearlySame = 0.5;
 
 /// Every stretch of up to half a path that is made of its parts, with the sum of their fingerprints.
 struct Stretches {
@@ -38,6 +44,12 @@ Stretches stretches_of(const Stretch& path, const std::vector<Fingerprint>& part
 bool same_place(const Stretch& a, const Stretch& b) {
     const auto within = [](double s, const Stretch& on) { return s > on.from && s < on.to; };
     return within(a.middle(), b) || within(b.middle(), a);
+}
+
+/// By the share, of what they cover together, that both cover.
+bool nearly_same(const Stretch& a, const Stretch& b) {
+    const double common = std::min(a.to, b.to) - std::max(a.from, b.from);
+    return common > kNearlySame * (std::max(a.to, b.to) - std::min(a.from, b.from));
 }
 
 /// Those with the largest z, each in a place of its own.
@@ -116,6 +128,60 @@ bool Diagnoser::look_closer(Diagnosis& d) {
     }
     base_.test.emplace(covariance, base_.slopes.directions, deviation_, std::move(all));
     find(d);
+    return true;
+}
+
+/// The place that explains most, seen from the parameters where a pursuit has ended, without the effect: a calibration makes up for a strong one, and
+/// fingerprints that are taken there may point to the wrong place.
+bool Diagnoser::look_again(const Pursuit& p, std::optional<Hypothesis>& found) {
+    const ScoreResult score = (*base_.test)(base_.observed);
+    const EffectDose& effect = variants_[p.best.fingerprint];
+    const auto strip = std::find_if(variants_.begin(), variants_.end(), [&](const EffectDose& v) {
+        return v.effect == effect.effect && v.variant == effect.variant;
+    });
+    Base before = std::exchange(base_, {});
+    base_.parameters = p.best.parameters;
+    base_.slopes.directions = p.of_best.slopes.directions.leftCols(base_.parameters.size());
+    if (!build_space(before.space->residuals())) return false;
+    const auto parts = take_parts(static_cast<std::size_t>(strip - variants_.begin()), score);
+    if (!parts) return false;
+    const Stretches stretches = stretches_of(path_of(p.best.fingerprint), *parts);
+    const ScoreResult seen = ScoreTest(row_covariance(*base_.space), base_.slopes.directions, deviation_,
+                                       stretches.fingerprints)(base_.observed);
+    base_ = std::move(before);
+    const std::vector<std::size_t> best = best_places(stretches.places, seen.z);
+    if (best.empty()) return true;
+    const auto at = static_cast<Eigen::Index>(best.front());
+    found = p.best;
+    found->on = stretches.places[best.front()];
+    found->strength = std::min(seen.z[at] / std::max(seen.visibility[at], 1e-9), most_of(p.best.fingerprint));
+    found->place_spread = spread_of(best.front(), stretches.places, seen.z);
+    return true;
+}
+
+/// The best ones of effects that act in a place once more from where another look finds them, if that is somewhere else.
+bool Diagnoser::look_again(std::vector<Pursuit>& pursuits, double least) {
+    std::stable_sort(pursuits.begin(), pursuits.end(),
+                     [](const Pursuit& a, const Pursuit& b) { return a.best.q < b.best.q; });
+    const std::size_t known = pursuits.size();
+    std::size_t looks = 0;
+    for (std::size_t k = 0; k < known && looks < kLookedForAgain; ++k) {
+        const Pursuit& p = pursuits[k];
+        const auto first = pursuits.begin(), here = first + static_cast<std::ptrdiff_t>(k);
+        if (!p.best.on || p.best.q > least + kWorthAnotherLook ||
+            std::any_of(first, here, [&](const Pursuit& better) { return same_way(better.best, p.best); }))
+            continue;
+        ++looks;
+        std::optional<Hypothesis> found;
+        if (!look_again(p, found)) return false;
+        if (!found || std::any_of(pursuits.begin(), pursuits.end(), [&](const Pursuit& other) {
+                return same_way(other.best, p.best) && nearly_same(*other.best.on, *found->on);
+            }))
+            continue;
+        Pursuit again = begin(std::move(*found));
+        if (!advance(again) || !pursue(again, least)) return false;
+        pursuits.push_back(std::move(again));
+    }
     return true;
 }
 

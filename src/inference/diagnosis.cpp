@@ -297,6 +297,7 @@ std::vector<Hypothesis> Diagnoser::finalists(const std::vector<EffectFinding>& f
         h.fingerprint = fingerprint;
         h.parameters = base_.parameters;
         h.on = variants_[fingerprint].on;
+        if (fingerprint >= planned_variants_) h.place_spread = place_spread_[fingerprint - planned_variants_];
         chosen.push_back(std::move(h));
     };
     const auto near_best = [&](double z) { return z >= kFinalistShare * visible.front().z; };
@@ -477,7 +478,7 @@ Diagnosis Diagnoser::run(Of of) {
     if (measured && rejected(d) && !follow_best(finalists(d.findings), followed)) return d;
     if (!decide_close_race(followed)) return d;
     if (measured && rejected(d)) conclude(d, followed);
-    if (measured && rejected(d) && !explained_by(followed) && !problem_.given.empty()) {
+    if (measured && rejected(d) && !explained(d) && !problem_.given.empty()) {
         if (!follow_from_given(d, followed)) return d;
         if (rejected(d)) conclude(d, followed);
     }

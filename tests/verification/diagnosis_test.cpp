@@ -252,6 +252,36 @@ TEST(Diagnosis, FindsWhereAnEffectActs) {
     EXPECT_GE(covered, right - 2);  // 95 %
 }
 
+TEST(Diagnosis, DISABLED_StatisticsOfPlaces) {
+    const auto blocks = blocks_of_test();
+    std::vector<CandidateEffect> effects = all_effects();
+    effects.push_back({"held back", false, {{"", 12.0, Stretch{0.0, 90.0}}}});
+    const DiagnosisProblem problem = problem_for(blocks, effects);
+    for (const Stretch hidden : {Stretch{24.0, 28.0}, Stretch{31.0, 36.0}, Stretch{39.5, 43.5}, Stretch{45.0, 48.0},
+                                 Stretch{33.0, 43.0}, Stretch{20.0, 40.0}}) {
+        int rejected = 0, best = 0, right = 0, near = 0, covered = 0;
+        double deviation = 0.0;
+        for (std::uint64_t k = 0; k < 30; ++k) {
+            const double strength = std::min(28.0 / hidden.length(), 12.0);
+            const ObservationTable table = measured(blocks, 5000 + k, {{kHeldBack, 0, strength, hidden}});
+            const Diagnosis d = diagnosis_of(blocks, problem, table, k);
+            if (d.verdict == Verdict::None) continue;
+            ++rejected;
+            const EffectFinding& f = d.findings.front();
+            if (f.effect != kHeldBack || !f.finalist) continue;
+            ++best;
+            right += d.verdict == Verdict::Named;
+            const double error = std::abs(f.on->middle() - hidden.middle());
+            near += error < 3.0;
+            covered += error < 1.96 * f.middle_deviation;
+            deviation += f.middle_deviation;
+        }
+        std::cout << hidden.from << " to " << hidden.to << " m: 30 tests, " << rejected << " rejected, best " << best
+                  << ", named " << right << ", of the best ones middle within 3 m " << near << ", within its 95 % "
+                  << covered << ", mean deviation " << deviation / std::max(best, 1) << " m" << std::endl;
+    }
+}
+
 // Each of the two alone is rejected by its own simulations; both names are said together, and one of them alone is not enough.
 TEST(Diagnosis, NamesTwoEffectsThatActTogether) {
     const auto blocks = blocks_of_test();
