@@ -57,6 +57,7 @@ struct Hypothesis {
     double q = kInfinity;  ///< what is left [-]
     double p = 0.0;
     bool from_given = false;  ///< followed from the parameters that the site was given
+    bool raced = false;       ///< q and p are those of a close race
 };
 
 /// What diagnose() and plan_test() do, step by step: the model is tested and judged in diagnosis.cpp, effects are followed in diagnoser_follow.cpp,
@@ -76,9 +77,8 @@ private:
     Eigen::VectorXd within_ranges(Eigen::VectorXd parameters) const;
     /// Simulations that a base takes, and that following one finalist may take.
     std::size_t of_base() const { return 1 + 2 * design_size(problem_.calibrated.size()) + variants_.size(); }
-    std::size_t of_finalist() const {
-        return 2 * design_size(problem_.calibrated.size() + 1) * static_cast<std::size_t>(settings_.rounds) + 1;
-    }
+    std::size_t of_finalist() const { return of_survey() * static_cast<std::size_t>(settings_.rounds); }
+    std::size_t of_survey() const { return 2 * design_size(problem_.calibrated.size() + 1); }
     bool build_space(std::span<const Residual> residuals = {});
     bool differentiate();
     bool differentiate_over(const Eigen::VectorXd& step);

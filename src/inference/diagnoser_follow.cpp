@@ -414,6 +414,7 @@ bool Diagnoser::pursue(Pursuit& p, double& least) {
 
 /// Every one by a survey, and then those that promise most. Adds them to those that have been followed.
 bool Diagnoser::follow_best(std::vector<Hypothesis> chosen, std::vector<Hypothesis>& followed) {
+    planned_ += chosen.size() * of_survey();
     std::vector<Pursuit> all, pursuits;
     for (Hypothesis& h : chosen) {
         all.push_back(begin(std::move(h)));
@@ -444,9 +445,10 @@ bool Diagnoser::decide_close_race(std::vector<Hypothesis>& followed) {
     const auto close = [&](const Hypothesis& h) { return h.q < best + kCloseRace; };
     const auto runners = static_cast<std::size_t>(std::count_if(followed.begin(), followed.end(), close));
     if (runners < 2 || best_p <= kHopeless * settings_.rejected) return true;
-    planned_ += runners * 2 * design_size(problem_.calibrated.size() + 1);
+    planned_ += runners * of_survey();
     for (Hypothesis& h : followed) {
-        if (!close(h)) continue;
+        if (!close(h) || h.raced) continue;
+        h.raced = true;
         h.q = kInfinity;
         bool more = true;
         for (int round = 0; round < kRaceRounds && more; ++round) {
