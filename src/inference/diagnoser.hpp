@@ -135,7 +135,7 @@ private:
     std::vector<EffectDose> dose_of(std::size_t fingerprint, const Eigen::VectorXd& at) const;
     std::optional<double> left_at(double strength, std::size_t fingerprint);
     std::optional<std::vector<Hypothesis>> strong_finalists();
-    bool look_again(const Pursuit& p, std::optional<Hypothesis>& found);
+    bool find_place_from(const Pursuit& p, std::optional<Hypothesis>& found);
     bool look_again(std::vector<Pursuit>& pursuits, double least);
     Pursuit begin(Hypothesis h) const;
     bool advance(Pursuit& p);

@@ -133,7 +133,7 @@ bool Diagnoser::look_closer(Diagnosis& d) {
 
 /// The place that explains most, seen from the parameters where a pursuit has ended, without the effect: a calibration makes up for a strong one, and
 /// fingerprints that are taken there may point to the wrong place.
-bool Diagnoser::look_again(const Pursuit& p, std::optional<Hypothesis>& found) {
+bool Diagnoser::find_place_from(const Pursuit& p, std::optional<Hypothesis>& found) {
     const ScoreResult score = (*base_.test)(base_.observed);
     const EffectDose& effect = variants_[p.best.fingerprint];
     const auto strip = std::find_if(variants_.begin(), variants_.end(), [&](const EffectDose& v) {
@@ -173,7 +173,7 @@ bool Diagnoser::look_again(std::vector<Pursuit>& pursuits, double least) {
             continue;
         ++looks;
         std::optional<Hypothesis> found;
-        if (!look_again(p, found)) return false;
+        if (!find_place_from(p, found)) return false;
         if (!found || std::any_of(pursuits.begin(), pursuits.end(), [&](const Pursuit& other) {
                 return same_way(other.best, p.best) && nearly_same(*other.best.on, *found->on);
             }))

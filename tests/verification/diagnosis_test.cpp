@@ -182,6 +182,12 @@ TEST(Diagnosis, NamesWhatIsHidden) {
         const double strength = hidden == kMassTrend ? 3.0 : 2.5;
         for (std::uint64_t k = 0; k < 10; ++k) {
             const Diagnosis d = diagnosis_of(blocks, problem, measured(blocks, 100 + k, {{hidden, 0, strength}}), k);
+            double weights = d.weight_none + d.weight_unnamed;
+            for (const EffectFinding& f : d.findings) weights += f.weight;
+            if (d.verdict != Verdict::None) {
+                EXPECT_NEAR(weights, 1.0, 1e-9);
+                EXPECT_GT(d.weight_unnamed, 0.0);
+            }
             if (d.answer.size() != 1 || d.answer.front().effect != hidden) continue;
             ++right;
             EXPECT_EQ(d.verdict, hidden == kSpeedBias ? Verdict::DataProblem : Verdict::Named);

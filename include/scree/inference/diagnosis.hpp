@@ -23,7 +23,8 @@ namespace scree {
 /// own residual space and without the determinant of its covariance: a hypothesis that predicts too widely pays through the spread of its residuals only).
 /// Their weights, with the price of free strengths and places and beside those of the calibrated model itself and of something that has no name, are the
 /// answer: one name, a group that the data cannot tell apart, or none of them where the best one is rejected, too, or where these two remain serious rivals.
-/// Where few things were measured, one of many effects is likely to fit whatever is missing: then it takes more for a name. Where one effect is not enough, the best ones become part of the model, and a second is looked for in the same way: at most two are named.
+/// Where few things were measured, one of many effects is likely to fit whatever is missing: then it takes more for a name. Where one effect is not
+/// enough, the best ones become part of the model, and a second is looked for in the same way: at most two are named.
 
 /// One way in which an effect may act: a sign, a parameter other than its strength.
 struct EffectVariant {
