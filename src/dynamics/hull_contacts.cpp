@@ -103,7 +103,7 @@ void HullContacts::detect(const Vec3& position, const Mat3& rotation, double rea
     contacts.clear();
     passed_by_.clear();
     beyond_rim_ = false;
-    cut_ = 0.0;
+    cut_ = passed_depth_ = 0.0;
     cover(position, reach, Vec2::Zero());
     if (patch_.facets.empty()) return;
     if (patch_.plane.height(position) - block_.radius > reach) return;
@@ -122,6 +122,7 @@ void HullContacts::detect(const Vec3& position, const Mat3& rotation, double rea
         if (odometer_ + reach < edge_free_until_[k]) continue;
         add_crest_contacts(k, position, rotation, reach, contacts);
     }
+    if (passed_depth_ > kHooked) add_hooked_corner(position, rotation, contacts);
 }
 
 // No point of the body moves farther than the centre of mass plus radius times the norm of the change of rotation.
@@ -231,6 +232,40 @@ void HullContacts::add_tip_contact(std::size_t k, const Vec3& position, const Ma
     contacts.push_back(contact);
 }
 
+// Between a falling face (left) and a rising one (right), one of which is replaced by the highest face where they meet: the two given, or else the
+// highest at both ends.
+HullContacts::LowestOnCrest HullContacts::lowest_on_crest(const double* value,
+                                                          std::pair<Eigen::Index, Eigen::Index> guess,
+                                                          double reach) const {
+    const double* slope = face_slope_.data();
+    LowestOnCrest low{0.0, 0.0, guess.first, guess.second};
+    auto meet = [&] {
+        low.t = (value[low.right] - value[low.left]) / (slope[low.left] - slope[low.right]);
+        low.height = value[low.left] + low.t * slope[low.left];  // the minimum is no less
+    };
+    Eigen::Index top = 0;
+    if (slope[low.left] < 0.0 && slope[low.right] > 0.0) {
+        meet();
+        if (low.t > 0.0 && low.t < 1.0 && farthest_on_line(block_, value, slope, low.t, top) <= low.height + 1e-14)
+            return low;
+    }
+    farthest_on_line(block_, value, slope, 0.0, low.left);
+    farthest_on_line(block_, value, slope, 1.0, low.right);
+    if (slope[low.left] >= 0.0 || slope[low.right] <= 0.0) {
+        low.t = slope[low.left] >= 0.0 ? 0.0 : 1.0;
+        (low.t == 0.0 ? low.right : low.left) = low.t == 0.0 ? low.left : low.right;
+        low.height = value[low.left] + low.t * slope[low.left];
+        return low;
+    }
+    for (int turn = 0; turn < 64; ++turn) {
+        meet();
+        const double phi = farthest_on_line(block_, value, slope, low.t, top);
+        if (low.height > reach || top == low.left || top == low.right || phi <= low.height + 1e-14) break;
+        (slope[top] < 0.0 ? low.left : low.right) = top;
+    }
+    return low;
+}
+
 // Along the crest a + t (b - a), phi(t) = max_f (n_f.x - d_f) over the block's faces is convex and piecewise linear: its least value is how deep the crest
 // is in the block. Where that lies inside the crest, two faces meet: their common edge crosses the crest, and the combination of the two normals that
 // is perpendicular to the crest is the direction of contact. Where a face lies almost flat on the crest, the other end of the face touches too.
@@ -252,46 +287,23 @@ void HullContacts::add_crest_contacts(std::size_t k, const Vec3& position, const
         return;
     }
 
-    // minimise phi between a falling face (left) and a rising one (right), replacing one of them by the highest face where they meet; the two of the last
-    // look, or the highest at both ends
     face_lines(block_, crest.a, crest.d, face_value_.data(), face_slope_.data());
-    const double *value = face_value_.data(), *slope = face_slope_.data();
-    auto [left, right] = edge_faces_[k];
-    double t = 0.0, outside = 0.0;
-    auto meet = [&] {
-        t = (value[right] - value[left]) / (slope[left] - slope[right]);
-        outside = value[left] + t * slope[left];  // the minimum is no less
-    };
-    Eigen::Index top = 0;
-    bool found = false;
-    if (slope[left] < 0.0 && slope[right] > 0.0) {
-        meet();
-        found = t > 0.0 && t < 1.0 && farthest_on_line(block_, value, slope, t, top) <= outside + 1e-14;
+    const LowestOnCrest low = lowest_on_crest(face_value_.data(), edge_faces_[k], reach);
+    const double outside = low.height;
+    if (outside < 0.0) cut_ = std::max(cut_, -outside);
+    // least at an end: the tip there touches, or the next crest; a face that lies almost flat across that end touches here with its other end
+    if (low.left == low.right) {
+        apart = {block_.normal(low.left), block_.offset[low.left], false};
+        if (outside > reach)
+            edge_free_until_[k] = odometer_ + outside * kOdometerShare;
+        else
+            add_far_end(crest, low.t, low.left, low.t == 0.0 ? +1.0 : -1.0, reach, rotation, contacts);
+        remember_passed(k, outside);
+        return;
     }
-    if (!found) {
-        farthest_on_line(block_, value, slope, 0.0, left);
-        farthest_on_line(block_, value, slope, 1.0, right);
-        // least at an end: the tip there touches, or the next crest; a face that lies almost flat across that end touches here with its other end
-        if (slope[left] >= 0.0 || slope[right] <= 0.0) {
-            const double end = slope[left] >= 0.0 ? 0.0 : 1.0;
-            const Eigen::Index face = end == 0.0 ? left : right;
-            outside = value[face] + end * slope[face];
-            cut_ = std::max(cut_, -outside);
-            apart = {block_.normal(face), block_.offset[face], false};
-            if (outside > reach)
-                edge_free_until_[k] = odometer_ + outside * kOdometerShare;
-            else
-                add_far_end(crest, end, face, end == 0.0 ? +1.0 : -1.0, reach, rotation, contacts);
-            return;
-        }
-        for (int turn = 0; turn < 64; ++turn) {
-            meet();
-            const double phi = farthest_on_line(block_, value, slope, t, top);
-            if (outside > reach || top == left || top == right || phi <= outside + 1e-14) break;
-            (slope[top] < 0.0 ? left : right) = top;
-        }
-        edge_faces_[k] = {left, right};
-    }
+    const Eigen::Index left = low.left, right = low.right;
+    const double t = low.t, *slope = face_slope_.data();
+    edge_faces_[k] = {left, right};
     // of left: the sum is perpendicular to the crest
     const double share = -slope[right] / (slope[left] - slope[right]);
     const Vec3 outward = share * block_.normal(left) + (1.0 - share) * block_.normal(right);
@@ -300,9 +312,9 @@ void HullContacts::add_crest_contacts(std::size_t k, const Vec3& position, const
         edge_free_until_[k] = odometer_ + outside * kOdometerShare;
         return;
     }
-    cut_ = std::max(cut_, -outside);
-    if (!add_crest_contact(crest, t, outward, left, right, reach, rotation, contacts) && outside < 0.0)
-        add_cut_corner(edge, position, rotation, contacts);
+    if (!add_crest_contact(crest, t, outward, left, right, reach, rotation, contacts) && outside < 0.0 &&
+        !add_cut_corner(edge, position, rotation, contacts))
+        remember_passed(k, outside);
     add_far_end(crest, t, right, +1.0, reach, rotation, contacts);
     add_far_end(crest, t, left, -1.0, reach, rotation, contacts);
 }
@@ -341,7 +353,7 @@ bool HullContacts::add_crest_contact(const CrestInBody& crest, double t, const V
 // A crest that has cut into a corner of the block may be nearest to faces that it did not come through. What the terrain can push along are the
 // directions between the normals of the crest's facets: the contact is the one among them in which the overlap is least. At either end of the range a
 // vertex touches a facet, which is found as such.
-void HullContacts::add_cut_corner(const PatchEdge& edge, const Vec3& position, const Mat3& rotation,
+bool HullContacts::add_cut_corner(const PatchEdge& edge, const Vec3& position, const Mat3& rotation,
                                   std::vector<Contact<3>>& contacts) {
     const std::array<Vec3, 2> facet{edge.normal(0), edge.normal(1)};
     auto direction = [&](double s) -> Vec3 { return ((1.0 - s) * facet[0] + s * facet[1]).normalized(); };
@@ -359,7 +371,7 @@ void HullContacts::add_cut_corner(const PatchEdge& edge, const Vec3& position, c
         }
     }
     double low = best - 1.0 / kCornerSamples, high = best + 1.0 / kCornerSamples;
-    if (low < 0.0 || high > 1.0) return;
+    if (low < 0.0 || high > 1.0) return false;
     for (int k = 0; k < 24; ++k) {
         const double a = low + (high - low) / 3.0, b = high - (high - low) / 3.0;
         (separation(a) < separation(b) ? low : high) = separation(a) < separation(b) ? a : b;
@@ -379,18 +391,70 @@ void HullContacts::add_cut_corner(const PatchEdge& edge, const Vec3& position, c
     const Vec3 along = edge.b - edge.a;
     const Vec3 across = contact.normal.cross(along);
     const double before = across.dot(position + end[0] - edge.a), after = across.dot(position + end[1] - edge.a);
-    if (!(before * after < 0.0)) return;
+    if (!(before * after < 0.0)) return false;
     const Vec3 crossing = position + end[0] + before / (before - after) * (end[1] - end[0]) - edge.a;
     const double t = along.dot(crossing) / along.squaredNorm();
-    if (t < 0.0 || t > 1.0) return;
+    if (t < 0.0 || t > 1.0) return false;
     contact.arm = edge.a + t * along - position;  // on the crest, as for every contact with one
     contact.gap = contact.normal.dot(crossing);
-    if (contact.gap > 0.0 || contact.gap < -block_.inner_radius) return;
+    if (contact.gap > 0.0 || contact.gap < -block_.inner_radius) return false;
     contact.soil = edge.soil[low + high < 1.0 ? 0 : 1];
     const auto [first, second] = std::minmax(number[0], number[1]);
     const std::int64_t faces = block_.face_count();
     contact.key = {FeaturePair::EdgeOnEdge, faces * faces + first * block_.vertex_count() + second, edge.id};
     contacts.push_back(contact);
+    return true;
+}
+
+// A corner that slips over a crest may hook under it: the faces that it is nearest to push it deeper in, and the vertex that should hold it is
+// beyond the crest. What is cut deeper than contacts are left with is pushed out along the direction between the normals of the crest's facets, both
+// included, in which the way out is shortest.
+void HullContacts::add_hooked_corner(const Vec3& position, const Mat3& rotation, std::vector<Contact<3>>& contacts) {
+    for (const Contact<3>& c : contacts)
+        if (-c.gap > 0.5 * passed_depth_) return;  // on its way out already
+    const PatchEdge& edge = patch_.edges[passed_crest_];
+    const Vec3 a = rotation.transpose() * (edge.a - position), d = rotation.transpose() * (edge.b - edge.a);
+    face_lines(block_, a, d, face_value_.data(), face_slope_.data());
+    const Vec3 facet[2] = {edge.normal(0), edge.normal(1)};
+    Contact<3> contact;
+    contact.gap = -kInfinity;
+    for (int k = 0; k <= kCornerSamples; ++k) {
+        const double s = static_cast<double>(k) / kCornerSamples;
+        const Vec3 normal = ((1.0 - s) * facet[0] + s * facet[1]).normalized();
+        double t = 0.0;
+        const double way = way_out(rotation.transpose() * normal, t);
+        if (-way <= contact.gap) continue;
+        contact.gap = -way;
+        contact.normal = normal;
+        contact.arm = rotation * (a + t * d);
+        contact.soil = edge.soil[s < 0.5 ? 0 : 1];
+    }
+    if (contact.gap < -block_.inner_radius) return;
+    const std::int64_t faces = block_.face_count(), vertices = block_.vertex_count();
+    contact.key = {FeaturePair::EdgeOnEdge, faces * faces + vertices * vertices, edge.id};
+    contacts.push_back(contact);
+}
+
+// How far the block must go along n until the crest is on its surface: the height of the lowest point of the crest over the faces is a convex function of
+// that way; Newton's method from far outside comes down to its zero, step by step along its pieces.
+double HullContacts::way_out(const Vec3& n, double& t) const {
+    const Eigen::ArrayXd rate = -(block_.nx * n.x() + block_.ny * n.y() + block_.nz * n.z());
+    double way = 2.0 * block_.radius;
+    std::pair<Eigen::Index, Eigen::Index> faces{0, 0};
+    for (int k = 0; k < 64; ++k) {
+        const Eigen::ArrayXd value = face_value_ + way * rate;
+        const LowestOnCrest low = lowest_on_crest(value.data(), faces, kInfinity);
+        faces = {low.left, low.right};
+        t = low.t;
+        double rise = rate[low.left];
+        if (low.left != low.right) {
+            const double share = face_slope_[low.right] / (face_slope_[low.right] - face_slope_[low.left]);
+            rise = share * rate[low.left] + (1.0 - share) * rate[low.right];
+        }
+        if (low.height <= 1e-12 || !(rise > 0.0)) break;
+        way -= low.height / rise;
+    }
+    return way;
 }
 
 // From the deepest point the crest follows one face in the given direction up to the next face that rises above it.

@@ -109,14 +109,31 @@ private:
     bool add_crest_contact(const CrestInBody& crest, double t, const Vec3& outward, Eigen::Index face,
                            Eigen::Index other_face, double reach, const Mat3& rotation,
                            std::vector<Contact<3>>& contacts);
-    void add_cut_corner(const PatchEdge& edge, const Vec3& position, const Mat3& rotation,
+    bool add_cut_corner(const PatchEdge& edge, const Vec3& position, const Mat3& rotation,
                         std::vector<Contact<3>>& contacts);
+    void add_hooked_corner(const Vec3& position, const Mat3& rotation, std::vector<Contact<3>>& contacts);
+    double way_out(const Vec3& n, double& t) const;
+    /// Where the highest of the block's faces is lowest along a crest.
+    struct LowestOnCrest {
+        double t;                  ///< place on the crest, 0 to 1 [-]
+        double height;             ///< negative: depth in the block [m]
+        Eigen::Index left, right;  ///< the faces that meet there; the same if it is at an end
+    };
+    LowestOnCrest lowest_on_crest(const double* value, std::pair<Eigen::Index, Eigen::Index> guess, double reach) const;
+    void remember_passed(std::size_t crest, double outside) {
+        if (-outside <= passed_depth_) return;
+        passed_depth_ = -outside;
+        passed_crest_ = crest;
+    }
     void add_far_end(const CrestInBody& crest, double t, Eigen::Index face, double direction, double reach,
                      const Mat3& rotation, std::vector<Contact<3>>& contacts);
 
     double nearest_share(std::size_t crest, const Vec3& place) const;
     void advance_odometer(const Vec3& position, const Mat3& rotation);
     void measure_heights(const Vec3& position, const Mat3& rotation, const SupportingPlane& plane);
+
+    /// A crest that nothing keeps out is left in the block to this depth: more than contacts that hold let it in [m].
+    static constexpr double kHooked = 3.5e-4;
 
     const ConvexBlock& block_;
     const Surface& surface_;
@@ -126,6 +143,8 @@ private:
     bool covered_ = false;
     bool beyond_rim_ = false;
     double cut_ = 0.0;
+    double passed_depth_ = 0.0;     ///< of the crest that is deepest in the block without being a contact [m]
+    std::size_t passed_crest_ = 0;  ///< which one
     std::vector<std::pair<Eigen::Index, Eigen::Index>> edge_faces_;  ///< the two that were nearest to each crest
     std::vector<double> node_height_;  ///< of each tip of the patch over its plane: zero or less [m]
     std::vector<double> edge_height_;  ///< of the higher end of each crest [m]

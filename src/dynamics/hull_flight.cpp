@@ -152,12 +152,13 @@ double HullContacts::time_to_features(const Vec3& position, const Mat3& rotation
     measure_heights(position, rotation, patch_.plane);
     advance_odometer(position, rotation);
     time = time_of_vertices(position, rotation, flight, time, gap);
+    passed_depth_ = 0.0;
     if (!vertices_only_) time = time_of_tips_and_crests(position, rotation, flight, time, gap);
     look_time_ = time < longest ? std::clamp(4.0 * time, kShortestLook, kLongestLook) : kLongestLook;
-    if (gap > 0.0) return time;
+    if (gap > 0.0 && passed_depth_ <= kHooked) return time;
     detect(position, rotation, 0.0, near_);
     for (const Contact<3>& c : near_) gap = std::min(gap, c.gap);
-    return 0.0;
+    return gap > 0.0 ? time : 0.0;
 }
 
 double HullContacts::time_of_vertices(const Vec3& position, const Mat3& rotation, const Flight& flight, double horizon,

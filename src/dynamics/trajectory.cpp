@@ -27,6 +27,8 @@ constexpr double kLeastPenetration = 0x1p-20;  ///< where the bins begin [m]
 constexpr double kClearingStep = 0.5;
 /// Farther up no block is looked for a free place [m].
 constexpr double kHighestLift = 1e4;
+/// The lift is found to a tenth of the gap, and to this at least [m].
+constexpr double kLeastLift = 1e-9;
 
 class SurfaceGround final : public EffectGround<3> {
 public:
@@ -179,7 +181,7 @@ bool is_free(Contacts& finder, const BlockState<Dim>& state, double lift, double
 template <int Dim, class Contacts>
 double least_lift(Contacts& finder, const BlockState<Dim>& state, double low, double high, double gap) {
     std::vector<Contact<Dim>> contacts;
-    while (high - low > 0.1 * gap) {
+    while (high - low > std::max(0.1 * gap, kLeastLift)) {
         const double middle = 0.5 * (low + high);
         (is_free<Dim>(finder, state, middle, gap, contacts) ? high : low) = middle;
     }

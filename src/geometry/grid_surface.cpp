@@ -76,6 +76,21 @@ private:
     void add_edge(std::pair<int, int> a, std::pair<int, int> b, std::pair<int, int> left, std::pair<int, int> right,
                   std::int64_t left_facet, std::int64_t right_facet, std::int64_t id, TerrainPatch& patch) const;
     void gather_node(int i, int j, TerrainPatch& patch) const;
+    void gather_rim(int i, int j, TerrainPatch& patch) const;
+    void gather_rim_node(int i, int j, TerrainPatch& patch) const;
+    /// Number of half 0 or 1 of a cell, -1 if it is a hole or outside.
+    std::int64_t facet_or_none(int i, int j, int half) const {
+        if (i < 0 || j < 0 || i + 1 >= heights_.shape.columns || j + 1 >= heights_.shape.rows) return -1;
+        const double third = half == 0 ? heights_.at(i, j) : heights_.at(i + 1, j + 1);
+        return std::isfinite(third + heights_.at(i + 1, j) + heights_.at(i, j + 1)) ? facet_number(i, j) + half : -1;
+    }
+    /// The six neighbours of a node, counter-clockwise from the east.
+    static constexpr std::array<std::pair<int, int>, 6> kRing{{{1, 0}, {0, 1}, {-1, 1}, {-1, 0}, {0, -1}, {1, -1}}};
+    /// The facet counter-clockwise of each of them, -1 where there is none.
+    std::array<std::int64_t, 6> facets_around(int i, int j) const {
+        return {facet_or_none(i, j, 0),         facet_or_none(i - 1, j, 1), facet_or_none(i - 1, j, 0),
+                facet_or_none(i - 1, j - 1, 1), facet_or_none(i, j - 1, 0), facet_or_none(i, j - 1, 1)};
+    }
 
     Grid<double> heights_;
     std::vector<SoilId> soil_;
@@ -152,12 +167,13 @@ void GridSurface::gather(const Box2& box, TerrainPatch& patch) const {
         for (int i = nodes.i0; i <= nodes.i1; ++i) {
             gather_edges(i, j, patch);
             gather_node(i, j, patch);
+            if (!patch.plane.whole) gather_rim(i, j, patch);
         }
     }
 }
 
 // The three edges that start at node (i, j): east, north, and the diagonal from (i, j+1) to (i+1, j). Each is a diagonal of a parallelogram of nodes: it
-// is convex only if its ends lie above the other two. A rim has no facet to fall away to.
+// is convex only if its ends lie above the other two.
 void GridSurface::gather_edges(int i, int j, TerrainPatch& patch) const {
     const GridShape& shape = heights_.shape;
     const std::int64_t id = 3 * static_cast<std::int64_t>(shape.index(i, j));
@@ -198,15 +214,10 @@ void GridSurface::gather_node(int i, int j, TerrainPatch& patch) const {
     int crests = 0;
     for (std::size_t k = 0; k < 6; ++k) crests += z[0] + around[k] > around[(k + 1) % 6] + around[(k + 5) % 6] ? 1 : 0;
     if (crests < 3 || !std::isfinite(z[0] + std::accumulate(around.begin(), around.end(), 0.0))) return;
-    // neighbours counter-clockwise, with the facet counter-clockwise of each spoke
-    const std::array<std::pair<int, int>, 6> ring{
-        {{i + 1, j}, {i, j + 1}, {i - 1, j + 1}, {i - 1, j}, {i, j - 1}, {i + 1, j - 1}}};
-    const std::array<std::int64_t, 6> facets{facet_number(i, j),     facet_number(i - 1, j) + 1,
-                                             facet_number(i - 1, j), facet_number(i - 1, j - 1) + 1,
-                                             facet_number(i, j - 1), facet_number(i, j - 1) + 1};
+    const std::array<std::int64_t, 6> facets = facets_around(i, j);
     const Vec3 centre = node(i, j);
     std::array<Vec3, 6> spoke;
-    for (std::size_t k = 0; k < 6; ++k) spoke[k] = node(ring[k].first, ring[k].second) - centre;
+    for (std::size_t k = 0; k < 6; ++k) spoke[k] = node(i + kRing[k].first, j + kRing[k].second) - centre;
     crests = 0;
     for (std::size_t k = 0; k < 6; ++k)
         crests += is_crest(spoke[k].cross(spoke[(k + 1) % 6]), Vec3::Zero(), spoke[(k + 2) % 6]) ? 1 : 0;
@@ -217,6 +228,46 @@ void GridSurface::gather_node(int i, int j, TerrainPatch& patch) const {
     n.count = 6;
     n.id = static_cast<std::int64_t>(shape.index(i, j));
     for (std::size_t k = 0; k < 6; ++k) patch.spokes.push_back({spoke[k], soil_[static_cast<std::size_t>(facets[k])]});
+    patch.nodes.push_back(n);
+}
+
+// Where the terrain ends, outside or at a hole, it falls away like a wall: edges there are crests, nodes are tips.
+void GridSurface::gather_rim(int i, int j, TerrainPatch& patch) const {
+    const std::int64_t id = 3 * static_cast<std::int64_t>(heights_.shape.index(i, j));
+    const std::int64_t east = facet_or_none(i, j, 0), diagonal = facet_or_none(i, j, 1),
+                       west = facet_or_none(i - 1, j, 1), south = facet_or_none(i, j - 1, 1);
+    auto add = [&](std::pair<int, int> a, std::pair<int, int> b, std::pair<int, int> left, std::pair<int, int> right,
+                   std::int64_t left_facet, std::int64_t right_facet, std::int64_t number) {
+        if ((left_facet < 0) == (right_facet < 0)) return;
+        const bool is_left = left_facet >= 0;
+        const auto& third = is_left ? left : right;
+        patch.edges.push_back(rim_edge(is_left ? node(a.first, a.second) : node(b.first, b.second),
+                                       is_left ? node(b.first, b.second) : node(a.first, a.second),
+                                       node(third.first, third.second),
+                                       soil_[static_cast<std::size_t>(is_left ? left_facet : right_facet)], number));
+    };
+    add({i, j}, {i + 1, j}, {i, j + 1}, {i + 1, j - 1}, east, south, id);
+    add({i, j}, {i, j + 1}, {i - 1, j + 1}, {i + 1, j}, west, east, id + 1);
+    add({i + 1, j}, {i, j + 1}, {i, j}, {i + 1, j + 1}, east, diagonal, id + 2);
+    gather_rim_node(i, j, patch);
+}
+
+void GridSurface::gather_rim_node(int i, int j, TerrainPatch& patch) const {
+    const std::array<std::int64_t, 6> facets = facets_around(i, j);
+    const auto missing = std::count(facets.begin(), facets.end(), -1);
+    if (missing == 0 || missing == 6) return;
+    PatchNode n;
+    n.position = node(i, j);
+    n.first = static_cast<std::int32_t>(patch.spokes.size());
+    n.id = static_cast<std::int64_t>(heights_.shape.index(i, j));
+    for (std::size_t k = 0; k < 6; ++k) {
+        const std::int64_t after = facets[k], before = facets[(k + 5) % 6];
+        if (after < 0 && before < 0) continue;
+        const SoilId soil = soil_[static_cast<std::size_t>(after >= 0 ? after : before)];
+        patch.spokes.push_back({node(i + kRing[k].first, j + kRing[k].second) - n.position, soil});
+        if (after < 0) patch.spokes.push_back({-Vec3::UnitZ(), soil});
+    }
+    n.count = static_cast<std::int32_t>(patch.spokes.size()) - n.first;
     patch.nodes.push_back(n);
 }
 

@@ -12,12 +12,14 @@ namespace scree {
 
 namespace {
 
-/// An inner edge of the mesh that is a crest.
+/// An edge of the mesh that is a crest, or a rim: then it has one facet, on its left, and -1 for the other.
 struct Crest {
     std::int32_t a, b;                   ///< vertices
     std::array<std::int32_t, 2> beyond;  ///< third vertices of the two facets
     std::array<std::int32_t, 2> facet;
 };
+/// In place of a neighbour in the ring around a vertex: the wall of a rim.
+constexpr std::int32_t kWall = -1;
 
 /// Area of a triangle within the box, in plan view: Sutherland-Hodgman clipping on the four sides [m^2].
 double area_in_box(const std::array<Vec3, 3>& corners, const Box2& box) {
@@ -168,50 +170,68 @@ void MeshSurface::build_topology() {
     facet_crests_.assign(mesh_.facets.size(), {-1, -1, -1});
     std::vector<std::array<std::int32_t, 3>> across(mesh_.facets.size(), {-1, -1, -1});
     std::vector<std::int32_t> crest_count(mesh_.vertices.size(), 0);
-    for (std::size_t h = 0; h + 1 < half.size(); ++h) {
-        const HalfEdge &x = half[h], &y = half[h + 1];
-        if (x.low != y.low || x.high != y.high) continue;
+    // of each side without a twin, the vertex that it leaves and its facet: there the facets around that vertex begin
+    std::vector<std::pair<std::int32_t, std::int32_t>> rim_starts;
+    for (std::size_t h = 0; h < half.size(); ++h) {
+        const HalfEdge& x = half[h];
         const auto& tx = mesh_.facets[static_cast<std::size_t>(x.facet)];
-        const auto& ty = mesh_.facets[static_cast<std::size_t>(y.facet)];
-        across[static_cast<std::size_t>(x.facet)][static_cast<std::size_t>(x.side)] = y.facet;
-        across[static_cast<std::size_t>(y.facet)][static_cast<std::size_t>(y.side)] = x.facet;
         const std::int32_t a = tx[static_cast<std::size_t>(x.side)];
         const std::int32_t b = tx[static_cast<std::size_t>((x.side + 1) % 3)];
         const std::int32_t beyond_x = tx[static_cast<std::size_t>((x.side + 2) % 3)];
+        std::int32_t& crest_of_x = facet_crests_[static_cast<std::size_t>(x.facet)][static_cast<std::size_t>(x.side)];
+        if (h + 1 == half.size() || half[h + 1].low != x.low || half[h + 1].high != x.high) {
+            rim_starts.push_back({a, x.facet});
+            crest_of_x = static_cast<std::int32_t>(crests_.size());
+            crests_.push_back({a, b, {beyond_x, kWall}, {x.facet, -1}});
+            continue;
+        }
+        const HalfEdge& y = half[++h];
+        const auto& ty = mesh_.facets[static_cast<std::size_t>(y.facet)];
+        across[static_cast<std::size_t>(x.facet)][static_cast<std::size_t>(x.side)] = y.facet;
+        across[static_cast<std::size_t>(y.facet)][static_cast<std::size_t>(y.side)] = x.facet;
         const std::int32_t beyond_y = ty[static_cast<std::size_t>((y.side + 2) % 3)];
         const Vec3 normal = (vertex(b) - vertex(a)).cross(vertex(beyond_x) - vertex(a)).normalized();
         if (!is_crest(normal, vertex(a), vertex(beyond_y))) continue;
-        facet_crests_[static_cast<std::size_t>(x.facet)][static_cast<std::size_t>(x.side)] =
-            static_cast<std::int32_t>(crests_.size());
-        facet_crests_[static_cast<std::size_t>(y.facet)][static_cast<std::size_t>(y.side)] =
+        crest_of_x = facet_crests_[static_cast<std::size_t>(y.facet)][static_cast<std::size_t>(y.side)] =
             static_cast<std::int32_t>(crests_.size());
         crests_.push_back({a, b, {beyond_x, beyond_y}, {x.facet, y.facet}});
         ++crest_count[static_cast<std::size_t>(a)];
         ++crest_count[static_cast<std::size_t>(b)];
     }
 
-    // ordered rings around vertices that at least three crests meet in and that are not on the rim
+    // ordered rings around vertices that at least three crests meet in, and around those on the rim
     std::vector<std::int32_t> some_facet(mesh_.vertices.size(), -1);
     for (std::size_t f = 0; f < mesh_.facets.size(); ++f)
         for (const std::int32_t v : mesh_.facets[f])
             some_facet[static_cast<std::size_t>(v)] = static_cast<std::int32_t>(f);
+    // the facets around v counter-clockwise from the first, each with the side that begins it; ends with a wall if they do not close
+    auto add_ring = [&](std::int32_t v, std::int32_t first) {
+        std::int32_t f = first;
+        for (;;) {
+            const auto& t = mesh_.facets[static_cast<std::size_t>(f)];
+            const auto k = static_cast<std::size_t>(std::find(t.begin(), t.end(), v) - t.begin());
+            ring_.push_back(t[(k + 1) % 3]);
+            ring_facet_.push_back(f);
+            const std::int32_t next = across[static_cast<std::size_t>(f)][(k + 2) % 3];  // over the side that ends in v
+            if (next == first) return;
+            if (next < 0) {
+                ring_.insert(ring_.end(), {t[(k + 2) % 3], kWall});
+                ring_facet_.insert(ring_facet_.end(), 2, f);
+                return;
+            }
+            f = next;
+        }
+    };
+    std::sort(rim_starts.begin(), rim_starts.end());
+    auto start = rim_starts.begin();
     ring_start_.assign(mesh_.vertices.size() + 1, 0);
     for (std::size_t v = 0; v < mesh_.vertices.size(); ++v) {
         ring_start_[v] = static_cast<std::int32_t>(ring_.size());
-        if (crest_count[v] < 3) continue;
-        const std::size_t mark = ring_.size();
-        std::int32_t f = some_facet[v];
-        do {
-            const auto& t = mesh_.facets[static_cast<std::size_t>(f)];
-            const auto k =
-                static_cast<std::size_t>(std::find(t.begin(), t.end(), static_cast<std::int32_t>(v)) - t.begin());
-            ring_.push_back(t[(k + 1) % 3]);
-            ring_facet_.push_back(f);
-            f = across[static_cast<std::size_t>(f)][(k + 2) % 3];  // over the side that ends in v: counter-clockwise
-        } while (f >= 0 && f != some_facet[v]);
-        if (f < 0) {  // on the rim
-            ring_.resize(mark);
-            ring_facet_.resize(mark);
+        const auto number = static_cast<std::int32_t>(v);
+        if (start != rim_starts.end() && start->first == number) {
+            for (; start != rim_starts.end() && start->first == number; ++start) add_ring(number, start->second);
+        } else if (crest_count[v] >= 3) {
+            add_ring(number, some_facet[v]);
         }
     }
     ring_start_.back() = static_cast<std::int32_t>(ring_.size());
@@ -309,12 +329,16 @@ void MeshSurface::gather_crests(std::vector<std::int32_t>& crests, TerrainPatch&
     crests.erase(std::unique(crests.begin(), crests.end()), crests.end());
     for (const std::int32_t number : crests) {
         const Crest& crest = crests_[static_cast<std::size_t>(number)];
+        const SoilId soil = mesh_.soil[static_cast<std::size_t>(crest.facet[0])];
+        if (crest.facet[1] < 0) {
+            patch.edges.push_back(rim_edge(vertex(crest.a), vertex(crest.b), vertex(crest.beyond[0]), soil, number));
+            continue;
+        }
         PatchEdge e;
         e.a = vertex(crest.a);
         e.b = vertex(crest.b);
         e.beyond = {vertex(crest.beyond[0]), vertex(crest.beyond[1])};
-        e.soil = {mesh_.soil[static_cast<std::size_t>(crest.facet[0])],
-                  mesh_.soil[static_cast<std::size_t>(crest.facet[1])]};
+        e.soil = {soil, mesh_.soil[static_cast<std::size_t>(crest.facet[1])]};
         e.id = number;
         patch.edges.push_back(e);
     }
@@ -330,9 +354,9 @@ void MeshSurface::gather_tips(std::vector<std::int32_t>& vertices, TerrainPatch&
         n.id = v;
         for (std::int32_t k = ring_start_[static_cast<std::size_t>(v)];
              k < ring_start_[static_cast<std::size_t>(v) + 1]; ++k) {
-            const std::int32_t f = ring_facet_[static_cast<std::size_t>(k)];
-            patch.spokes.push_back(
-                {vertex(ring_[static_cast<std::size_t>(k)]) - n.position, mesh_.soil[static_cast<std::size_t>(f)]});
+            const std::int32_t f = ring_facet_[static_cast<std::size_t>(k)], to = ring_[static_cast<std::size_t>(k)];
+            patch.spokes.push_back({to == kWall ? Vec3(-Vec3::UnitZ()) : Vec3(vertex(to) - n.position),
+                                    mesh_.soil[static_cast<std::size_t>(f)]});
             ++n.count;
         }
         patch.nodes.push_back(n);

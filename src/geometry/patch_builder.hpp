@@ -32,4 +32,9 @@ inline bool is_crest(const Vec3& normal, const Vec3& on_edge, const Vec3& beyond
     return height < 0.0 && height * height > kCrestAngle * kCrestAngle * d.squaredNorm() * normal.squaredNorm();
 }
 
+/// A rim from a to b with its one facet on the left: to the right the terrain falls straight down.
+inline PatchEdge rim_edge(const Vec3& a, const Vec3& b, const Vec3& third, SoilId soil, std::int64_t id) {
+    return {a, b, {third, Vec3(b - Vec3::UnitZ())}, {soil, soil}, id};
+}
+
 }  // namespace scree

@@ -3,6 +3,7 @@
 
 #include "scree/base/random.hpp"
 #include "scree/base/units.hpp"
+#include "scree/dynamics/trajectory.hpp"
 #include "support/scenes.hpp"
 #include "support/terrains.hpp"
 
@@ -80,7 +81,7 @@ TEST(HullContacts, SeamsOfAPlaneMakeNoSecondContact) {
             const auto surface = make_mesh_surface(
                 cut_mesh(4.0, 1.0, cut, [=](double x, double) { return -std::tan(slope * kDegree) * x; }));
             TerrainPatch patch;
-            surface->gather(surface->bounds(), patch);
+            surface->gather(surface->bounds().grown(-2.5), patch);
             EXPECT_TRUE(patch.edges.empty());
             EXPECT_TRUE(patch.nodes.empty());
             // exactly over a node, over a side, over a diagonal
@@ -167,6 +168,22 @@ TEST(HullContacts, AVertexBesideTheTerrainIsBeyondTheRim) {
          {std::tuple(3.8, 0.05, false), std::tuple(3.8, -0.05, true), std::tuple(3.2, -0.05, false)}) {
         finder.detect({x, 0.1, z}, rotation, 1e-3, contacts);
         EXPECT_EQ(finder.beyond_rim(), beyond) << x << " " << z;
+    }
+}
+
+// The ground that ends still holds what lies over its rim: a crest of it in a face, and the node that a ridge ends in.
+TEST(HullContacts, ABlockOverARimTouchesIt) {
+    for (const double across : {0.0, 0.5}) {
+        const auto surface =
+            grid_terrain(4.0, 1.0, [&](double x, double y) { return x > 0.0 ? kNaN : 0.5 * x - across * std::abs(y); });
+        const auto contacts = contacts_of(box(), *surface, {0.1, 0.05, 0.2 - 0.01}, Quat::Identity(), 1e-3);
+        ASSERT_EQ(contacts.size(), across == 0.0 ? 2u : 1u);
+        for (const Contact<3>& c : contacts) {
+            EXPECT_EQ(c.key.pair, across == 0.0 ? FeaturePair::EdgeOnEdge : FeaturePair::NodeInFace);
+            EXPECT_NEAR(c.gap, -0.01, kRounding);
+            EXPECT_NEAR((c.normal - Vec3::UnitZ()).norm(), 0.0, kRounding);
+            EXPECT_NEAR(c.arm.x(), -0.1, kRounding);  // on the rim
+        }
     }
 }
 
@@ -279,6 +296,31 @@ TEST(HullContacts, EveryOverlapHasAContact) {
     RecordProperty("missed", missed);
     EXPECT_GT(overlaps, 300);
     EXPECT_EQ(missed, 0);
+}
+
+// A corner that has slipped over a crest may hook under it, where the nearest faces would push it deeper in: no crest is deep in a block without a
+// contact of that depth.
+TEST(HullContacts, NoCrestIsDeepInABlockUnheld) {
+    const auto surface = grid_terrain(6.0, 0.5, rough_slope(30 * kDegree, 0.3));
+    RandomStream random(6, 1, RandomPurpose::Shape);
+    int cut = 0, hooked = 0;
+    std::vector<Contact<3>> contacts;
+    for_random_poses(*surface, 20000, [&](const ConvexBlock& block, const Vec3& position, const Quat& q) {
+        BlockState<3> s;
+        s.position = position - Vec3(0.0, 0.0, 0.2);
+        s.orientation = q;
+        s.position.z() += clearing_lift(block, s, *surface, 1e-4);
+        s.position += 5e-3 * Vec3(random.normal(), random.normal(), random.normal());
+        HullContacts finder(block, *surface, false);
+        finder.detect(s.position, q.toRotationMatrix(), 0.0, contacts);
+        double deepest = 0.0;
+        for (const Contact<3>& c : contacts) deepest = std::max(deepest, -c.gap);
+        if (finder.cut() < 1e-3) return;
+        ++cut;
+        if (deepest < 0.5 * finder.cut()) ++hooked;
+    });
+    EXPECT_GT(cut, 1000);
+    EXPECT_EQ(hooked, 0);
 }
 
 // A finder that has been elsewhere gives the same contacts in the same order as a fresh one.

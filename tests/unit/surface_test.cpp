@@ -7,7 +7,9 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
+#include <span>
 
 namespace scree::test {
 
@@ -57,10 +59,37 @@ TEST(Surface, HolesAndTheOutsideHaveNoHeight) {
     surface->gather(surface->bounds(), patch);
     EXPECT_EQ(patch.facets.size(), static_cast<std::size_t>(surface->facet_count()) - 6);  // six facets meet in a node
     EXPECT_EQ(patch.facet_at(Vec2(1.1, 1.1)), nullptr);
-    EXPECT_TRUE(patch.edges.empty());  // a rim is not a crest
     const auto mesh = make_mesh_surface(mesh_of(*surface));
     EXPECT_EQ(mesh->facet_count(), surface->facet_count() - 6);
     EXPECT_TRUE(std::isnan(mesh->height(Vec2(1.1, 1.1))));
+}
+
+// Where the terrain ends its edges are crests with a wall on one side, and its nodes tips with a spoke down the wall.
+TEST(Surface, RimsAreCrestsAndTipsOfAWall) {
+    const auto grid = grid_terrain(3.0, 1.0, [](double x, double y) { return x == 1.0 && y == 1.0 ? kNaN : 2.0; });
+    const auto mesh = make_mesh_surface(mesh_of(*grid));
+    for (const Surface* surface : {grid.get(), mesh.get()}) {
+        TerrainPatch patch;
+        surface->gather(surface->bounds().grown(0.5), patch);
+        EXPECT_FALSE(patch.plane.whole);
+        EXPECT_EQ(patch.edges.size(), 4u * 6u + 6u);  // around the square and around the hole
+        for (const PatchEdge& e : patch.edges) {
+            EXPECT_EQ(e.normal(0), Vec3::UnitZ());
+            const Vec3 out = e.normal(1);
+            EXPECT_NEAR(out.z(), 0.0, 1e-15);
+            const Vec2 middle = 0.5 * (e.a + e.b).head<2>();
+            EXPECT_GE(surface->facet_at(middle - 0.1 * out.head<2>()), 0);
+            EXPECT_LT(surface->facet_at(middle + 0.1 * out.head<2>()), 0);
+        }
+        EXPECT_EQ(patch.nodes.size(), 24u + 6u);
+        for (const PatchNode& n : patch.nodes) {
+            const auto spokes =
+                std::span(patch.spokes).subspan(static_cast<std::size_t>(n.first), static_cast<std::size_t>(n.count));
+            EXPECT_EQ(std::count_if(spokes.begin(), spokes.end(),
+                                    [](const PatchSpoke& s) { return s.edge.normalized() == Vec3(-Vec3::UnitZ()); }),
+                      1);
+        }
+    }
 }
 
 TEST(Surface, GridAndMeshAgreeOnRoughTerrain) {

@@ -35,10 +35,10 @@ struct PatchFacet {
     }
 };
 
-/// A convex terrain edge (a crest), which a block's edge can touch.
+/// A convex terrain edge (a crest), which a block's edge can touch. So is a rim, where the terrain ends or has a hole: a wall falls straight down there.
 struct PatchEdge {
     Vec3 a, b;                   ///< end points [m]
-    std::array<Vec3, 2> beyond;  ///< the third corners of its two facets [m]
+    std::array<Vec3, 2> beyond;  ///< the third corners of its two facets, or a point of the wall [m]
     std::array<SoilId, 2> soil{};
     std::int64_t id = 0;
 
@@ -48,7 +48,7 @@ struct PatchEdge {
     }
 };
 
-/// A terrain node that stands out in at least one direction (a tip), which can poke into a block's face.
+/// A terrain node that stands out in at least one direction (a tip), which can poke into a block's face; every node on a rim is one.
 struct PatchNode {
     Vec3 position;           ///< [m]
     std::int32_t first = 0;  ///< its spokes are patch.spokes[first, first + count), counter-clockwise
