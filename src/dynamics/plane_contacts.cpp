@@ -18,6 +18,8 @@ constexpr double kValleyMargin = 1e-3;
 constexpr double kSameLine = 1e-12;
 /// How far a contact normal may lie outside the normals of a crest's reaches [rad].
 constexpr double kConeSlack = 2e-3;
+/// A crest that nothing keeps out is left in the block to this depth: more than contacts that hold let it in [m].
+constexpr double kHooked = 3.5e-4;
 /// What is passed by nearer than this is not waited for in flight [m], and than this share of the inner radius [-].
 constexpr double kPassedBy = 5e-3, kPassedByShare = 0.2;
 /// Share of a distance that counts as room to move in: leaves rounding behind [-].
@@ -232,7 +234,7 @@ void PlaneContacts::add_crest_contacts(const Vec2& position, const Mat2& rotatio
             add_crest_contact(crest, at.outside, normal, arm, contacts);
             contacts.back().motion = ContactMotion::PassesBlock;
         } else if (at.outside < 0.0 || (!under_block && stands_through(arm, rotation)))
-            add_cut_corner(crest, position, rotation, contacts);
+            add_cut_corner(crest, at.outside, position, rotation, contacts);
     }
 }
 
@@ -274,36 +276,53 @@ void PlaneContacts::add_crest_contact(const NearCrest& crest, double gap, const 
 }
 
 // A crest that has cut into a corner of the block may be nearest to a side that it did not come through. What the ground can push along are the
-// directions between the normals of the crest's reaches: the contact is the one among them in which the overlap is least. That is a side of the block, or
-// an end of the range, where a corner of the block touches a reach: found as such, unless the corner has come out behind the crest.
-void PlaneContacts::add_cut_corner(const NearCrest& crest, const Vec2& position, const Mat2& rotation,
+// directions between the normals of the crest's reaches: the contact is the one among them in which the way out is shortest. That is a side of the block,
+// or an end of the range, where a corner of the block touches a reach: found as such, unless
+//   it has slipped over the crest and hooks under it: the crest is then deeper in the block than what contacts are left with;
+//   the crest is a needle through the block, outside of it: its way out is that of the lowest corner, which has come out behind.
+void PlaneContacts::add_cut_corner(const NearCrest& crest, double outside, const Vec2& position, const Mat2& rotation,
                                    std::vector<Contact<2>>& contacts) {
     Vec2 arm = crest.point - position;
     const Vec2 in_body = rotation.transpose() * arm;
-    double gap = -kInfinity;
+    double way = kInfinity;
     Vec2 normal = Vec2::Zero();
     for (Eigen::Index k = 0; k < block_.vertex_count(); ++k) {
-        const double outside = block_.normal(k).dot(in_body) - block_.offset[k];
+        const double depth = block_.offset[k] - block_.normal(k).dot(in_body);
         const Vec2 n = -(rotation * block_.normal(k));
-        if (outside <= gap || !falls_away(crest, n)) continue;
-        gap = outside;
+        if (depth >= way || !falls_away(crest, n)) continue;
+        way = depth;
         normal = n;
     }
     for (const std::size_t k : {crest.after - 1, crest.after}) {
-        const GroundReach& reach = ground_.reach(k);
-        const Vec2 direction = rotation.transpose() * reach.normal;
-        const Vec2 lowest = block_.vertex(lowest_vertex(direction));
-        const double room = direction.dot(lowest - in_body);
-        if (room <= gap) continue;
-        const Vec2 corner = position + rotation * lowest;
-        if (room > 0.0 || ground_.reach(ground_.reach_at(corner.x(), k)).gap(corner) < 0.0) return;
-        gap = room;
-        normal = reach.normal;
-        arm = corner - position;
+        const Vec2& n = ground_.reach(k).normal;
+        const Vec2 direction = rotation.transpose() * n, lowest = block_.vertex(lowest_vertex(direction));
+        const double along = outside < 0.0 ? way_out(in_body, direction) : direction.dot(in_body - lowest);
+        if (along >= way) continue;
+        if (outside < 0.0) {
+            if (-outside <= kHooked) return;
+        } else {
+            arm = rotation * lowest;
+            const bool known = std::any_of(contacts.begin(), contacts.end(), [&](const Contact<2>& c) {
+                return c.arm == arm && 1.0 - c.normal.dot(n) < kSameLine;
+            });
+            if (along < 0.0 || known) return;
+        }
+        way = along;
+        normal = n;
     }
-    if (std::isinf(gap)) return;
-    cut_ = std::max(cut_, -gap);
-    add_crest_contact(crest, gap, normal, arm, contacts);
+    if (std::isinf(way)) return;
+    cut_ = std::max(cut_, way);
+    add_crest_contact(crest, -way, normal, arm, contacts);
+}
+
+/// How far the block must go along n until a point of it, body frame, is on its surface; negative if it is out already.
+double PlaneContacts::way_out(const Vec2& p, const Vec2& n) const {
+    double way = kInfinity;
+    for (Eigen::Index k = 0; k < block_.vertex_count(); ++k) {
+        const double rate = -block_.normal(k).dot(n);
+        if (rate > 0.0) way = std::min(way, (block_.offset[k] - block_.normal(k).dot(p)) / rate);
+    }
+    return way;
 }
 
 // ---- flight ------------------------------------------------------------------------------------------------------------------------
@@ -423,22 +442,23 @@ double PlaneContacts::time_of_crest(const Flight& flight, const NearCrest& crest
     if (distance - block_.radius > way) return horizon;
     const SideAt at = side_at(flight.rotation.transpose() * arm);
     const Vec2 n = flight.rotation * block_.normal(at.side);
+    double room = at.outside;
     if (falls_away(crest, -n)) {
         gap = std::min(gap, at.outside);
         if (at.outside <= 0.0) return 0.0;
-    } else if (at.outside <= 0.0) {
-        std::vector<Contact<2>> cut;
-        add_cut_corner(crest, flight.position, flight.rotation, cut);
-        for (const Contact<2>& c : cut) gap = std::min(gap, c.gap);
-        return cut.empty() ? horizon : 0.0;
-    } else if (at.outside <= least_passed_by_) {
-        return horizon;
+    } else {
+        if (at.outside <= 0.0) {
+            std::vector<Contact<2>> cut;
+            add_cut_corner(crest, at.outside, flight.position, flight.rotation, cut);
+            for (const Contact<2>& c : cut) gap = std::min(gap, c.gap);
+            if (!cut.empty()) return 0.0;
+        }
+        if (at.outside <= least_passed_by_) room += kHooked;  // how deep it may get before something holds it
     }
     const double w = flight.spin, size = std::abs(w), reach = distance + way;
     const double rate = w * perpendicular(n).dot(arm) - n.dot(flight.velocity);
     const double acceleration = w * w * n.dot(arm) + 2.0 * w * perpendicular(n).dot(flight.velocity) - flight.fall(n);
-    return arrival(at.outside, rate, acceleration,
-                   size * size * size * reach + 3.0 * w * w * speed_then + 3.0 * size * g,
+    return arrival(room, rate, acceleration, size * size * size * reach + 3.0 * w * w * speed_then + 3.0 * size * g,
                    w * w * reach + 2.0 * size * speed_then + g, horizon);
 }
 

@@ -91,7 +91,8 @@ private:
     bool falls_away(const NearCrest& crest, const Vec2& normal) const;
     void add_crest_contact(const NearCrest& crest, double gap, const Vec2& normal, const Vec2& arm,
                            std::vector<Contact<2>>& contacts) const;
-    void add_cut_corner(const NearCrest& crest, const Vec2& position, const Mat2& rotation,
+    double way_out(const Vec2& p, const Vec2& n) const;
+    void add_cut_corner(const NearCrest& crest, double outside, const Vec2& position, const Mat2& rotation,
                         std::vector<Contact<2>>& contacts);
     bool hangs_beside(const Vec2& p) const;
     std::size_t nearest_surface(const Vec2& p, std::size_t below) const;

@@ -261,4 +261,15 @@ TEST(PlaneFuzz, SmallBlocksWaitForCrestsThatTheyPassBy) {
     }
 }
 
+// Corners that slipped over a crest and hooked under it; where a crest was hardly cut, a corner far off was taken for the one that should be raised.
+TEST(PlaneFuzz, CornersDoNotHookUnderCrests) {
+    DynamicsSettings settings;
+    settings.time_limit = 30.0;
+    for (const std::uint64_t number :
+         {60279, 160735, 189698, 196275, 305058, 312740, 1002304, 1004994, 1006656, 1007670, 1014176}) {
+        const PlaneFuzzScene scene = plane_fuzz_scene(number);
+        EXPECT_EQ(plane_fuzz_block(scene, settings).fault, "") << scene.what;
+    }
+}
+
 }  // namespace scree::test
