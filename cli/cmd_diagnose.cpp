@@ -193,6 +193,7 @@ ExitCode run_diagnose(const Context& context) {
     std::vector<std::string> free = context.free.empty() ? site.settings.calibration.free : context.free;
     if (free.empty()) free = usual_free_keys(site);
     study.keys = read_free_keys(site, free);
+    check_absent_effects(site.settings);
     study.settings = settings_of(site, context.full);
     study.search = site.settings.calibration.search;
     study.search.seed = study.settings.seed;

@@ -132,7 +132,6 @@ public:
     }
 
     DiagnosisCatalogue make() {
-        check_absent();
         for (const Search& search : kSearches) {
             const EffectInfo& info = effect_info(search.kind);
             const std::string reason = reason_against(search, info);
@@ -191,19 +190,6 @@ private:
     }
 
     bool measured(Quantity q) const { return std::find(measured_.begin(), measured_.end(), q) != measured_.end(); }
-
-    /// Names in diagnosis.without must be those of effects that would be searched for.
-    void check_absent() const {
-        std::string names;
-        for (const Search& search : kSearches)
-            if (names.find(search.family) == std::string::npos)
-                names.append(names.empty() ? "" : ", ").append(search.family);
-        for (const std::string& name : s_.diagnosis_without)
-            if (std::none_of(std::begin(kSearches), std::end(kSearches),
-                             [&](const Search& s) { return name == s.family; }))
-                throw InputError("diagnosis.without: \"" + name + "\" is no effect that is searched for; there are " +
-                                 names);
-    }
 
     /// Why an effect is not searched for; empty: it is.
     std::string reason_against(const Search& search, const EffectInfo& info) const {
@@ -334,6 +320,18 @@ std::vector<CandidateEffect> DiagnosisCatalogue::for_core() const {
         list.push_back(std::move(e));
     }
     return list;
+}
+
+void check_absent_effects(const SiteSettings& settings) {
+    std::vector<std::string> families;
+    for (const Search& search : kSearches)
+        if (families.empty() || families.back() != search.family) families.emplace_back(search.family);
+    for (const std::string& name : settings.diagnosis_without) {
+        if (std::find(families.begin(), families.end(), name) != families.end()) continue;
+        std::string names;
+        for (const std::string& family : families) names.append(names.empty() ? "" : ", ").append(family);
+        throw InputError("diagnosis.without: \"" + name + "\" is no effect that is searched for; there are " + names);
+    }
 }
 
 DiagnosisCatalogue make_forces(const SiteFile& calibrated, const SiteModel& model, const ObservedSite& observed) {

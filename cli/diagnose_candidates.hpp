@@ -60,6 +60,9 @@ struct DiagnosisCatalogue {
     std::vector<CandidateEffect> for_core() const;
 };
 
+/// Names in diagnosis.without must be those of effects that are searched for. Throws InputError.
+void check_absent_effects(const SiteSettings& settings);
+
 /// Everything of the effects' catalogue that this site and test can be searched for. Effects that the site has already are left out.
 DiagnosisCatalogue make_candidates(const SiteFile& calibrated, const SiteModel& model, const ObservedSite& observed);
 

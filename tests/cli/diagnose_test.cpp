@@ -207,6 +207,7 @@ TEST(Diagnose, RefusesInOneSentence) {
         diagnose(folder / "out", {"--plan", "--set", "release.count=8", "--set", "diagnosis.without=[\"snow\"]"});
     EXPECT_EQ(absent.code, 3);
     EXPECT_THAT(absent.err, HasSubstr("diagnosis.without: \"snow\" is no effect that is searched for; there are"));
+    EXPECT_FALSE(fs::exists(folder / "out.journal")) << "before anything is simulated";
     const Outcome few = diagnose(folder / "out", {"--plan", "--set", "release.count=7"});
     EXPECT_EQ(few.code, 3);
     EXPECT_THAT(few.err, HasSubstr("A test of 7 blocks is too small for a diagnosis, which needs at least 8"));
