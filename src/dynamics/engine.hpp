@@ -448,7 +448,7 @@ private:
         while (!finished_) {
             const bool in_contact = forecast_contacts(state_, h);
             if (!in_contact && free_for(2.0 * h)) {
-                fly_step(h);
+                fly_in_steps(h);
                 check();
                 continue;
             }
@@ -482,20 +482,26 @@ private:
     /// True if surely nothing closes for so long.
     bool free_for(double duration) const { return time_ + duration <= free_until_; }
 
-    /// A step of the scheme in which surely nothing closes.
-    void fly_step(double h) {
+    /// Steps of the scheme as long as surely nothing closes. Their mean velocities make a parabola: one segment.
+    void fly_in_steps(double h) {
         MotionSegment<Dim> motion = begin_segment(false);
-        const State before = state_;
-        const double energy_before = energy(before);
-        state_.velocity += h * gravity_;
-        state_.spin = free_spin(body_.moment, before.spin, spin_response(body_.moment, before.spin, h), h);
-        move(before, h, state_);
+        do {
+            const State before = state_;
+            const double energy_before = energy(before);
+            state_.velocity += h * gravity_;
+            state_.spin = free_spin(body_.moment, before.spin, spin_response(body_.moment, before.spin, h), h);
+            move(before, h, state_);
+            time_ += h;
+            const double rise = (energy(state_) - energy_before) / (body_.mass * settings_.gravity);
+            end_.counters.largest_energy_rise = std::max(end_.counters.largest_energy_rise, rise);
+            motion.spin_end = std::max(motion.spin_end, state_.spin.norm());
+            if (!finder_.over_terrain(state_.position) || finder_.beyond_rim()) finish(StopReason::LeftTerrain);
+            if (time_ >= settings_.time_limit) finish(StopReason::TimeLimit);
+        } while (!finished_ && free_for(2.0 * h));
         step_.forget();
-        const double rise = (energy(state_) - energy_before) / (body_.mass * settings_.gravity);
-        end_.counters.largest_energy_rise = std::max(end_.counters.largest_energy_rise, rise);
-        end_segment(motion, h);
-        if (!finder_.over_terrain(state_.position) || finder_.beyond_rim()) finish(StopReason::LeftTerrain);
-        if (time_ >= settings_.time_limit) finish(StopReason::TimeLimit);
+        const double flown = time_ - motion.start;
+        time_ = motion.start;
+        end_segment(motion, flown);
     }
 
     State predicted(const State& s, double h) const {
