@@ -177,7 +177,7 @@ def plot(series):
     width, height, left, top = 360, 250, 62, 46
     parts = [f'<svg xmlns="http://www.w3.org/2000/svg" width="{2 * width}" height="{2 * height + 40}" font-family="sans-serif" font-size="12">',
              f'<rect width="{2 * width}" height="{2 * height + 40}" fill="white"/>']
-    steps = STEPS["moreau_jean"]
+    steps = sorted({step for runs in series.values() for step, _ in runs}, reverse=True)
     for k, key in enumerate(PLOTTED):
         x0, y0 = (k % 2) * width + left, (k // 2) * height + top
         w, h = width - left - 18, height - top - 44
@@ -214,7 +214,7 @@ def plot(series):
             for s, v, e in points:
                 parts.append(f'<line x1="{px(s):.1f}" x2="{px(s):.1f}" y1="{py(v - e):.1f}" y2="{py(v + e):.1f}" stroke="{colour}"/>'
                              f'<circle cx="{px(s):.1f}" cy="{py(v):.1f}" r="2.5" fill="{colour}"/>')
-    for j, ((site, mode), (colour, dash)) in enumerate(STYLE.items()):
+    for j, ((site, mode), (colour, dash)) in enumerate((run, style) for run, style in STYLE.items() if run in series):
         x = left + 165 * j
         y = 2 * height + 22
         parts.append(f'<line x1="{x}" x2="{x + 30}" y1="{y}" y2="{y}" stroke="{colour}" stroke-width="1.5" stroke-dasharray="{dash}"/><text x="{x + 36}" y="{y + 4}">{mode}, {site}</text>')
