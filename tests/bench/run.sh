@@ -4,7 +4,8 @@
 #
 # Usage: run.sh [--dry] [options of Google Benchmark]
 #   --dry     print the table and keep nothing
-#   for example --benchmark_filter=campaign --benchmark_min_time=2 --benchmark_repetitions=3
+#   for example --benchmark_filter=campaign --benchmark_repetitions=5 --benchmark_enable_random_interleaving=true, where other machines on the same
+#   processor disturb: medians of runs that take turns
 set -euo pipefail
 here="$(cd "$(dirname "${BASH_SOURCE[0]}")" && pwd)"
 root="$(cd "$here/../.." && pwd)"
@@ -13,7 +14,7 @@ source "$here/machine.sh"
 keep=yes
 case "${1:-}" in
     --dry) keep=no; shift ;;
-    -h | --help) sed -n '3,7s/^# \{0,1\}//p' "$0"; exit 0 ;;
+    -h | --help) sed -n '3,8s/^# \{0,1\}//p' "$0"; exit 0 ;;
 esac
 
 "$root/sample_sites/install_dependencies.sh"

@@ -30,7 +30,7 @@ def main():
     print(f"- dependent additions per second at the start: {float(context['dependent_additions_per_s']):.3g}")
     print("\n| scene | things | time of one run | things per second | things per 1e9 dependent additions | additions per second meanwhile | what came up |")
     print("|---|---|---|---|---|---|---|")
-    for b in output["benchmarks"]:
+    for b in sorted(output["benchmarks"], key=lambda b: (b["family_index"], b["per_family_instance_index"])):
         if "error_occurred" in b:
             sys.exit(f"{b['name']}: {b.get('error_message', 'failed')}")
         if b["run_type"] == "aggregate" and b["aggregate_name"] != "median":
