@@ -95,6 +95,7 @@ private:
     void find(Diagnosis& d) const;
     std::size_t fingerprint_of(const EffectFinding& f) const;
     std::vector<EffectFinding> findings(const ScoreResult& score, double z_limit) const;
+    Hypothesis unfollowed(std::size_t fingerprint) const;
     std::vector<Hypothesis> finalists(const std::vector<EffectFinding>& findings) const;
     /// Simulations all around a place, and what is measured seen from there.
     struct Survey {

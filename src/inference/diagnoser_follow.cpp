@@ -98,10 +98,7 @@ std::optional<std::vector<Hypothesis>> Diagnoser::strong_finalists() {
         if (!(score.z[static_cast<Eigen::Index>(k)] > 0.0) || scanned.size() == kScanned) break;
         if (!visible(k, score) || scanned_of[effect] == kScannedOfOne) continue;
         ++scanned_of[effect];
-        Hypothesis best;
-        best.fingerprint = k;
-        best.parameters = base_.parameters;
-        best.on = variants_[k].on;
+        Hypothesis best = unfollowed(k);
         best.from_given = true;
         const double most = most_of(k);
         for (double strength = std::min(1.0, most);; strength = std::min(kGrow * strength, most)) {

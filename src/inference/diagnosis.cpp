@@ -282,6 +282,16 @@ std::vector<EffectFinding> Diagnoser::findings(const ScoreResult& score, double 
     return all;
 }
 
+/// An effect of the base, where its fingerprint is.
+Hypothesis Diagnoser::unfollowed(std::size_t fingerprint) const {
+    Hypothesis h;
+    h.fingerprint = fingerprint;
+    h.parameters = base_.parameters;
+    h.on = variants_[fingerprint].on;
+    if (fingerprint >= planned_variants_) h.place_spread = place_spread_[fingerprint - planned_variants_];
+    return h;
+}
+
 /// The best variant of every effect that comes near the best one; of what acts in a place the places that a closer look has found, too.
 std::vector<Hypothesis> Diagnoser::finalists(const std::vector<EffectFinding>& findings) const {
     const ScoreResult score = (*base_.test)(base_.observed);
@@ -292,22 +302,14 @@ std::vector<Hypothesis> Diagnoser::finalists(const std::vector<EffectFinding>& f
                      [](const EffectFinding& a, const EffectFinding& b) { return a.z > b.z; });
     if (visible.size() > settings_.finalists) visible.resize(settings_.finalists);
     std::vector<Hypothesis> chosen;
-    const auto choose = [&](std::size_t fingerprint) {
-        Hypothesis h;
-        h.fingerprint = fingerprint;
-        h.parameters = base_.parameters;
-        h.on = variants_[fingerprint].on;
-        if (fingerprint >= planned_variants_) h.place_spread = place_spread_[fingerprint - planned_variants_];
-        chosen.push_back(std::move(h));
-    };
     const auto near_best = [&](double z) { return z >= kFinalistShare * visible.front().z; };
     for (const EffectFinding& f : visible) {
         if (!near_best(f.z)) break;
         const std::size_t best = fingerprint_of(f);
-        choose(best);
+        chosen.push_back(unfollowed(best));
         for (std::size_t k = planned_variants_; k < variants_.size(); ++k)
             if (variants_[k].effect == f.effect && k != best && near_best(score.z[static_cast<Eigen::Index>(k)]))
-                choose(k);
+                chosen.push_back(unfollowed(k));
     }
     return chosen;
 }
