@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include "dynamics/contact_lengths.hpp"
 #include "dynamics/contact_step.hpp"
 #include "dynamics/effects/block_effects.hpp"
 #include "dynamics/rest_watch.hpp"
@@ -606,10 +607,9 @@ private:
         1e-6;  ///< height of fall by which the solver's tolerance may raise the energy of a step [m]
     static constexpr double kMoveInContact =
         1.0;  ///< share of the block's thickness that its points move at most in a step with contact [-]
-    static constexpr double kMoveUnseen = 0.2;  ///< share of the thickness that they move between two looks in it [-]
-    static constexpr double kPenetrationSlop = 3e-4;  ///< overlap that is left alone [m]
-    static constexpr double kSameNormal = 1e-6;       ///< 1 - cosine below which two facets hold a vertex alike [-]
-    static constexpr double kSamePlace = 0.02;        ///< of the radius: contacts closer than this are at one place [-]
+    static constexpr double kMoveUnseen = 0.2;   ///< share of the thickness that they move between two looks in it [-]
+    static constexpr double kSameNormal = 1e-6;  ///< 1 - cosine below which two facets hold a vertex alike [-]
+    static constexpr double kSamePlace = 0.02;   ///< of the radius: contacts closer than this are at one place [-]
     static constexpr double kEquilibriumShare =
         1e-3;  ///< acceleration from rest, as a share of gravity, that counts as none [-]
     static constexpr int kImpactsInARow = 1000;  ///< impacts at one moment: beyond, something is wrong

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "dynamics/hull_contacts.hpp"
 
+#include "dynamics/contact_lengths.hpp"
 #include "geometry/hull_kernels.hpp"
 
 #include <algorithm>
@@ -10,19 +11,8 @@ namespace scree {
 
 namespace {
 
-/// A vertex this close in plan view to the next facet touches that one too, if the two form a valley [m].
-constexpr double kValleyMargin = 1e-3;
-/// Normals closer than this are one plane: no second contact at the seam of coplanar facets (1 - cosine) [-].
-constexpr double kSamePlane = 1e-12;
-/// How far a contact normal may lie outside the normals of a crest's facets [rad]. The overlap that is left alone, 0.3 mm over a few decimetres, leaves
-/// the block's tilt as uncertain: without slack a block that lies on an almost flat crest would lose and find its contacts for ever.
-constexpr double kConeSlack = 2e-3;
 /// Directions between the facets of a crest that are tried for a cut corner [-].
 constexpr int kCornerSamples = 8;
-/// Share of a distance that counts as room to move in: leaves rounding behind [-].
-constexpr double kOdometerShare = 1.0 - 1e-9;
-/// What is passed by nearer than this is not waited for in flight [m], and than this share of the inner radius: a small block could pass through it [-].
-constexpr double kPassedBy = 5e-3, kPassedByShare = 0.2;
 /// How far below the contact plane the terrain around a tip must fall, sine of the angle [-].
 constexpr double kTipAngle = 1e-6;
 
@@ -352,7 +342,7 @@ bool HullContacts::add_crest_contact(const CrestInBody& crest, double t, const V
 
 // A crest that has cut into a corner of the block may be nearest to faces that it did not come through. What the terrain can push along are the
 // directions between the normals of the crest's facets: the contact is the one among them in which the overlap is least. At either end of the range a
-// vertex touches a facet, which is found as such.
+// vertex touches a facet, which is found as such, or hooks under the crest (add_hooked_corner).
 bool HullContacts::add_cut_corner(const PatchEdge& edge, const Vec3& position, const Mat3& rotation,
                                   std::vector<Contact<3>>& contacts) {
     const std::array<Vec3, 2> facet{edge.normal(0), edge.normal(1)};

@@ -132,9 +132,6 @@ private:
     void advance_odometer(const Vec3& position, const Mat3& rotation);
     void measure_heights(const Vec3& position, const Mat3& rotation, const SupportingPlane& plane);
 
-    /// A crest that nothing keeps out is left in the block to this depth: more than contacts that hold let it in [m].
-    static constexpr double kHooked = 3.5e-4;
-
     const ConvexBlock& block_;
     const Surface& surface_;
     bool vertices_only_;

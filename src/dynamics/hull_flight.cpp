@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Flight: how long a block may go unwatched before anything can touch.
 #include "dynamics/arrival.hpp"
+#include "dynamics/contact_lengths.hpp"
 #include "dynamics/hull_contacts.hpp"
 #include "geometry/hull_kernels.hpp"
 

@@ -2,6 +2,7 @@
 #include "dynamics/plane_contacts.hpp"
 
 #include "dynamics/arrival.hpp"
+#include "dynamics/contact_lengths.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -9,21 +10,6 @@
 namespace scree {
 
 namespace {
-
-// The rules and lengths of contacts are those of HullContacts.
-
-/// A corner of the block this close in chainage to the next reach touches that one too, if the two form a valley [m].
-constexpr double kValleyMargin = 1e-3;
-/// Normals closer than this are one line: no second contact at the seam of straight pieces (1 - cosine) [-].
-constexpr double kSameLine = 1e-12;
-/// How far a contact normal may lie outside the normals of a crest's reaches [rad].
-constexpr double kConeSlack = 2e-3;
-/// A crest that nothing keeps out is left in the block to this depth: more than contacts that hold let it in [m].
-constexpr double kHooked = 3.5e-4;
-/// What is passed by nearer than this is not waited for in flight [m], and than this share of the inner radius [-].
-constexpr double kPassedBy = 5e-3, kPassedByShare = 0.2;
-/// Share of a distance that counts as room to move in: leaves rounding behind [-].
-constexpr double kOdometerShare = 1.0 - 1e-9;
 
 /// Longest flight between two looks at the ground [s].
 constexpr double kLongestFlight = 0.25;
@@ -170,10 +156,10 @@ void PlaneContacts::add_vertex_contact(const Vec2& position, const Mat2& rotatio
     // the lines); across a crest it passes above and must not count.
     auto add_other = [&](std::size_t other) {
         const GroundReach& r = ground_.reach(other);
-        if (r.height(p.x()) > below.height(p.x()) || r.gap(p) > reach || 1.0 - r.normal.dot(below.normal) < kSameLine)
+        if (r.height(p.x()) > below.height(p.x()) || r.gap(p) > reach || 1.0 - r.normal.dot(below.normal) < kSamePlane)
             return;
         if (std::any_of(contacts.begin() + first, contacts.end(),
-                        [&](const Contact<2>& c) { return 1.0 - c.normal.dot(r.normal) < kSameLine; }))
+                        [&](const Contact<2>& c) { return 1.0 - c.normal.dot(r.normal) < kSamePlane; }))
             return;
         contact.gap = r.gap(p);
         contact.normal = r.normal;
@@ -303,7 +289,7 @@ void PlaneContacts::add_cut_corner(const NearCrest& crest, double outside, const
         } else {
             arm = rotation * lowest;
             const bool known = std::any_of(contacts.begin(), contacts.end(), [&](const Contact<2>& c) {
-                return c.arm == arm && 1.0 - c.normal.dot(n) < kSameLine;
+                return c.arm == arm && 1.0 - c.normal.dot(n) < kSamePlane;
             });
             if (along < 0.0 || known) return;
         }
