@@ -2,9 +2,9 @@
 #pragma once
 
 #include "dynamics/effects/pieces.hpp"
-#include "dynamics/engine.hpp"
 
 #include "scree/base/units.hpp"
+#include "support/ball_on_plane.hpp"
 
 #include <cmath>
 #include <numbers>
@@ -31,41 +31,6 @@ struct Slope final : EffectGround<Dim> {
     Vec down() const { return in_plane<Dim>(std::cos(angle), -std::sin(angle)); }
     double height(const Vec& p) const override { return -std::tan(angle) * p[0]; }
     int soil(const Vec&) const override { return 0; }
-};
-
-/// Contacts between a ball (a disc in 2D) and a slope, for the Engine.
-template <int Dim>
-class BallContacts {
-public:
-    using Vec = typename Space<Dim>::Vec;
-    using Rotation = typename Space<Dim>::Rotation;
-    BallContacts(double radius, const Slope<Dim>& slope) : radius_(radius), normal_(slope.normal()) {}
-
-    void detect(const Vec& position, const Rotation&, double reach, std::vector<Contact<Dim>>& contacts) const {
-        contacts.clear();
-        Contact<Dim> c;
-        c.gap = normal_.dot(position) - radius_;
-        c.normal = normal_;
-        c.arm = -radius_ * normal_;
-        if (c.gap <= reach) contacts.push_back(c);
-    }
-    double free_time(const BlockState<Dim>& s, double, double gravity, const Vec& drag, double& gap) const {
-        gap = normal_.dot(s.position) - radius_;
-        const double rate = normal_.dot(s.velocity), fall = gravity * normal_[Dim - 1] - normal_.dot(drag);
-        const double root = rate * rate + 2.0 * fall * gap;
-        if (gap <= 0.0) return 0.0;
-        const double closing = root >= 0.0 ? std::sqrt(root) - rate : 0.0;
-        return closing > 0.0 ? 2.0 * gap / closing : kInfinity;
-    }
-    bool over_terrain(const Vec&) const { return true; }
-    bool beyond_rim() const { return false; }
-    bool buried(const Vec&) const { return false; }
-    double radius() const { return radius_; }
-    double inner_radius() const { return radius_; }
-
-private:
-    double radius_;
-    Vec normal_;
 };
 
 /// A ball on a slope under effects. Its edges are those of the box around it: L is the diameter.
@@ -113,9 +78,7 @@ struct Ball {
             size *= factor;
             piece.mass *= factor * factor * factor;
             piece.moment *= std::pow(factor, 5);
-            BallContacts<Dim> contacts(size, slope);
-            Engine<Dim, BallContacts<Dim>> engine(piece, contacts, {&soil, 1}, limited, sink, &at_work);
-            return engine.run(start, from);
+            return run_on_plane<Dim>(piece, {size, slope.normal()}, {&soil, 1}, limited, start, sink, &at_work, from);
         });
     }
 };

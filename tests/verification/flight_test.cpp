@@ -38,7 +38,7 @@ Vec3 angular_momentum(const BlockState<3>& s) {
 }  // namespace
 
 TEST(Flight, ParabolaIsExact) {
-    SphereOnPlane far_below(0.5, Vec3::UnitZ());
+    BallOnPlane<3> far_below(0.5, Vec3::UnitZ());
     DynamicsSettings settings;
     const SphereMechanics run{kBlock0, far_below, {Soil{}}, settings};
     MotionRecorder<3> motion;
@@ -97,7 +97,7 @@ TEST(Flight, AgreesWithReferenceTumble) {
     SCREE_SHARED_OR_SKIP(folder, "reference");
     const ReferenceCase reference(folder, "d1_free_tumble");
     const auto rows = reference.path();
-    SphereOnPlane far_below(0.5, Vec3::UnitZ());
+    BallOnPlane<3> far_below(0.5, Vec3::UnitZ());
     const SphereMechanics paper{kBlock0, far_below, {Soil{}}, reference_settings()};
     const auto states = march(paper, rows.front().state, rows[1].time, rows.size());
     StateDeviation same_scheme, exact_flight;

@@ -61,7 +61,7 @@ TEST_P(ImpactReference, FirstImpactAndAfter) {
     const std::vector<Soil> soils{
         Soil{"plane", reference.number("e"), reference.number("mu"), reference.number("mu_r")}};
     if (std::string(GetParam().name).find("sphere") != std::string::npos) {
-        SphereOnPlane plane(kRadius, Vec3::UnitZ());
+        BallOnPlane<3> plane(kRadius, Vec3::UnitZ());
         const SphereMechanics run{sphere_inertia(kRadius), plane, soils, reference_settings()};
         compare(
             run, reference, [](const BlockState<3>& s, bool) { return s; }, run.body.mass);
@@ -90,7 +90,7 @@ namespace {
 
 /// Event mode: a sphere with e, mu, mu_r falls on the flat from kDrop.
 struct SphereDrop {
-    SphereOnPlane plane{kRadius, Vec3::UnitZ()};
+    BallOnPlane<3> plane{kRadius, Vec3::UnitZ()};
     MotionRecorder<3> motion;
     TrajectoryEnd<3> end;
 

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The 2D model against closed forms: bodies that slide, roll, bounce, tip and rest on a slope; energy; straight ground cut into pieces; random polygons
 // on random ground.
-#include "dynamics/engine.hpp"
 #include "dynamics/plane_contacts.hpp"
 
+#include "support/ball_on_plane.hpp"
 #include "support/motion.hpp"
 #include "support/plane_fuzz.hpp"
 #include "support/plane_scenes.hpp"
@@ -20,34 +20,6 @@ namespace {
 constexpr double g = kStandardGravity;
 constexpr double kInside =
     1e-6;  ///< start inside the ground: moreau_jean then has its contacts from the first step [m]
-
-/// Contacts of a disc with the slope of inclined_line: what rolls without corners.
-class DiscOnSlope {
-public:
-    DiscOnSlope(double radius, double slope) : radius_(radius), normal_(std::sin(slope), std::cos(slope)) {}
-    void detect(const Vec2& position, const Mat2&, double reach, std::vector<Contact<2>>& contacts) const {
-        contacts.clear();
-        Contact<2> c;
-        c.gap = normal_.dot(position) - radius_;
-        c.normal = normal_;
-        c.arm = -radius_ * normal_;
-        if (c.gap <= reach) contacts.push_back(c);
-    }
-    double free_time(const BlockState<2>& s, double, double gravity, const Vec2&, double& gap) const {
-        gap = normal_.dot(s.position) - radius_;
-        const double rate = normal_.dot(s.velocity), fall = gravity * normal_.y();
-        return gap > 0.0 ? 2.0 * gap / (std::sqrt(rate * rate + 2.0 * fall * gap) - rate) : 0.0;
-    }
-    bool over_terrain(const Vec2&) const { return true; }
-    bool beyond_rim() const { return false; }
-    bool buried(const Vec2&) const { return false; }
-    double radius() const { return radius_; }
-    double inner_radius() const { return radius_; }
-
-private:
-    double radius_;
-    Vec2 normal_;
-};
 
 std::string mode_name(const testing::TestParamInfo<SteppingMode>& p) {
     return kSteppingModeNames[static_cast<std::size_t>(p.param)];
@@ -69,16 +41,15 @@ protected:
     }
     /// A disc of radius 0.5 m and mass 1000 kg.
     TrajectoryEnd<2> disc(double slope, const Soil& soil, double time, const Vec2& velocity = Vec2::Zero()) const {
-        DiscOnSlope contacts(0.5, slope);
         DynamicsSettings limited = settings();
         limited.time_limit = time;
         limited.rest_time = kNeverRest;
         const std::vector<Soil> soils{soil};
-        Engine<2, DiscOnSlope> engine({1000.0, Space<2>::Spin(0.5 * 1000.0 * 0.25)}, contacts, soils, limited, nullptr);
         BlockState<2> release = on_slope(slope, 10.0, 0.5 - kInside);
         release.velocity = velocity;
         release.spin[0] = -velocity.norm() / 0.5;
-        return engine.run(release);
+        return run_on_plane<2>({1000.0, Space<2>::Spin(0.5 * 1000.0 * 0.25)}, {0.5, {std::sin(slope), std::cos(slope)}},
+                               soils, limited, release);
     }
     static double along(double slope, const Vec2& v) { return v.x() * std::cos(slope) - v.y() * std::sin(slope); }
     static double upwards(double slope, const Vec2& v) { return v.x() * std::sin(slope) + v.y() * std::cos(slope); }

@@ -26,7 +26,7 @@ constexpr double kInside = 1e-6;
 constexpr double kClosedForm = 1e-7;  ///< [m, m/s, rad/s]
 constexpr double g = kStandardGravity;
 
-SphereMechanics sphere_run(SphereOnPlane& plane, double mu, double mu_r, const DynamicsSettings& settings) {
+SphereMechanics sphere_run(BallOnPlane<3>& plane, double mu, double mu_r, const DynamicsSettings& settings) {
     return {sphere_inertia(kRadius), plane, {Soil{"plane", 0.0, mu, mu_r}}, settings};
 }
 
@@ -42,7 +42,7 @@ TEST_P(SphereReference, WholeTrajectory) {
     SCREE_SHARED_OR_SKIP(folder, "reference");
     const ReferenceCase reference(folder, GetParam());
     const auto rows = reference.path();
-    SphereOnPlane plane(kRadius, plane_normal(reference.number("alpha_deg") * kDegree));
+    BallOnPlane<3> plane(kRadius, plane_normal(reference.number("alpha_deg") * kDegree));
     const auto run = sphere_run(plane, reference.number("mu"), reference.number("mu_r"), reference_settings());
     const auto states = march(run, rows.front().state, rows[1].time, rows.size());
     StateDeviation deviation;
@@ -64,7 +64,7 @@ protected:
     /// Released at rest on the slope for one second: end position down the slope, velocity and spin about the slope's horizontal axis against
     /// constant accelerations.
     void expect_accelerations(double slope, double mu, double mu_r, double acceleration, double spin_acceleration) {
-        SphereOnPlane plane(kRadius, plane_normal(slope));
+        BallOnPlane<3> plane(kRadius, plane_normal(slope));
         auto settings = tight_settings(GetParam());
         settings.rest_time = kNeverRest;
         const auto run = sphere_run(plane, mu, mu_r, settings);
@@ -120,7 +120,7 @@ TEST_P(Sphere, SlidesWithoutRolling) {
 
 // Deceleration g mu_r / (1.4 R) from 2 m/s: rest after 3.569 s and 3.569 m.
 TEST_P(Sphere, RollsToRest) {
-    SphereOnPlane plane(kRadius, Vec3::UnitZ());
+    BallOnPlane<3> plane(kRadius, Vec3::UnitZ());
     const DynamicsSettings settings = tight_settings(GetParam());
     const auto run = sphere_run(plane, 0.5, 0.04, settings);
     BlockState<3> release = on_plane(0.0, kRadius - kInside);
@@ -144,7 +144,7 @@ TEST_P(Sphere, RollsToRest) {
 // No moment about N in the law: the spin stays for ever, and it counts as rest.
 TEST_P(Sphere, SpinAboutTheNormalIsNotResistedAndIsRest) {
     for (const double slope : {0.0, 4 * kDegree}) {
-        SphereOnPlane plane(kRadius, plane_normal(slope));
+        BallOnPlane<3> plane(kRadius, plane_normal(slope));
         DynamicsSettings settings = tight_settings(GetParam());
         BlockState<3> release = on_plane(slope, kRadius - kInside);
         release.spin = {0.0, 0.0, 3.0};
