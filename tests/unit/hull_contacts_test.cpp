@@ -187,6 +187,21 @@ TEST(HullContacts, ABlockOverARimTouchesIt) {
     }
 }
 
+// A crest 0.15 m in the lower face; found from above to a tenth of the gap, or to a nanometre.
+TEST(HullContacts, ABlockIsLiftedUntilItIsFree) {
+    const FramedBlock body = box();
+    const auto surface = ridge();
+    BlockState<3> state;
+    state.orientation = body.to_body.conjugate();
+    state.position.z() = 0.05;
+    EXPECT_NEAR(clearing_lift(body.block, state, *surface, 0.0), 0.15, 1e-8);
+    const double lift = clearing_lift(body.block, state, *surface, 0.02);
+    EXPECT_GE(lift, 0.17 - kRounding);
+    EXPECT_LE(lift, 0.172);
+    state.position.z() = 0.25;
+    EXPECT_EQ(clearing_lift(body.block, state, *surface, 0.02), 0.0);
+}
+
 // What no contact could hold must not go on below the ground unseen.
 TEST(HullContacts, ABlockThatWentThroughTheGroundIsBuried) {
     const auto surface = grid_terrain(4.0, 1.0, [](double x, double) { return 0.5 * x; });

@@ -4,6 +4,7 @@
 #include "dynamics/rigid_motion.hpp"
 
 #include "scree/base/random.hpp"
+#include "scree/dynamics/trajectory.hpp"
 #include "support/plane_scenes.hpp"
 #include "support/scenes.hpp"
 
@@ -157,6 +158,20 @@ TEST(PlaneContacts, CornerInAVerticalWallTouchesTheWall) {
     ASSERT_EQ(contacts.size(), 1u);
     EXPECT_NEAR(contacts[0].normal.x(), -1.0, 1e-6);
     EXPECT_NEAR(contacts[0].gap, -3e-4, 1e-4);
+}
+
+// A crest 0.15 m in the lower side; found to a tenth of the gap, or to a nanometre.
+TEST(PlaneContacts, ABlockIsLiftedUntilItIsFree) {
+    const ConvexPolygon block = box();
+    const GroundLine ground = ridge();
+    BlockState<2> state;
+    state.position = {4.0, 0.05};
+    EXPECT_NEAR(clearing_lift(block, state, ground, 0.0), 0.15, 1e-8);
+    const double lift = clearing_lift(block, state, ground, 0.02);
+    EXPECT_GE(lift, 0.17 - kRounding);
+    EXPECT_LE(lift, 0.172);
+    state.position.y() = 0.25;
+    EXPECT_EQ(clearing_lift(block, state, ground, 0.02), 0.0);
 }
 
 TEST(PlaneContacts, NothingBeyondTheEnds) {
