@@ -3,7 +3,7 @@
 # Usage: install_dependencies.sh [PACKAGE...]     (further packages to look for)
 set -euo pipefail
 
-packages=(g++ cmake ninja-build ccache libeigen3-dev libtbb-dev libhwy-dev librandom123-dev libcli11-dev libtomlplusplus-dev nlohmann-json3-dev
+packages=(g++ cmake ninja-build libeigen3-dev libtbb-dev libhwy-dev librandom123-dev libcli11-dev libtomlplusplus-dev nlohmann-json3-dev
           libgdal-dev libproj-dev libsqlite3-dev libcgal-dev gdal-bin python3-gdal python3-numpy
           libgtest-dev libgmock-dev libbenchmark-dev
           "$@")

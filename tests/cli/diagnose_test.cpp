@@ -21,14 +21,17 @@ using testing::IsEmpty;
 using testing::Not;
 namespace fs = std::filesystem;
 
-/// Of truth and model alike: half the work.
-constexpr const char* kStep = "model.time_step=8e-3";
+/// Less to simulate: what is not asked for is not searched for, and what else.
+std::string without(const std::string& more = "") {
+    return R"(diagnosis.without=["soil_patch", "low_friction", "forest_drag", "slip_friction", "rolling_size", "restitution_mass", )"
+           R"("restitution_half_speed", "fragmentation", "release_motion", "block_shape", "roughness")" +
+           more + "]";
+}
 
 /// A field test: quarry_a with another seed.
 fs::path field_test(const fs::path& folder, int blocks) {
     std::vector<std::string> args{
-        "--set", "release.count=" + std::to_string(blocks), "--seed", "5", "--set", "model.dimension=2", "--set",
-        kStep};
+        "--set", "release.count=" + std::to_string(blocks), "--seed", "5", "--set", "model.dimension=2"};
     EXPECT_EQ(run_quarry_a(folder, args).code, 0);
     return folder;
 }
@@ -37,7 +40,7 @@ std::vector<std::string> diagnosis(const fs::path& output, const std::vector<std
     std::vector<std::string> args{"diagnose", (quarry_a() / "site.toml").string(),      "--output", output.string(),
                                   "--free",   "soil.compact waste.rolling=0.01:0.3:log"};
     for (const char* set :
-         {"model.dimension=2", kStep, "calibration.starts=1", "calibration.screening=8", "calibration.generations=2",
+         {"model.dimension=2", "calibration.starts=1", "calibration.screening=8", "calibration.generations=2",
           "calibration.search_repeats=4", "calibration.surroundings=10", "calibration.repeats=4",
           "calibration.final_repeats=8", "calibration.folds=2", "calibration.draws=200", "observed.draws=200",
           "diagnosis.reference_repeats=24", "diagnosis.repeats=8", "diagnosis.draws=199", "diagnosis.finalists=2",
@@ -74,8 +77,9 @@ fs::path with_speeds(const fs::path& results, const fs::path& folder, double fac
 TEST(Diagnose, NamesAFaultOfTheMeasurementAndWritesAllOfIt) {
     const TempDir folder;
     const fs::path observed = with_speeds(field_test(folder / "field", 24), folder / "obs", 1.35), out = folder / "out";
-    const Outcome run = diagnose(out, {"--observed", observed.string(), "--set", "diagnosis.reference_repeats=60",
-                                       "--set", "diagnosis.repeats=25", "--set", "diagnosis.rounds=6"});
+    const Outcome run =
+        diagnose(out, {"--observed", observed.string(), "--set", "diagnosis.reference_repeats=60", "--set",
+                       "diagnosis.repeats=25", "--set", "diagnosis.rounds=6", "--set", without()});
     ASSERT_EQ(run.code, 0) << run.err;
     EXPECT_THAT(run.out, HasSubstr("=> DATA PROBLEM: speed_error"));
     EXPECT_THAT(run.out, HasSubstr("speed at ES1-A is larger than simulated"));
@@ -116,6 +120,17 @@ TEST(Diagnose, NamesAFaultOfTheMeasurementAndWritesAllOfIt) {
         if (o.at("name") != "speed at ES1-A") continue;
         EXPECT_LT(o.at("pooled").at("gap").get<double>(), 4.0);
     }
+}
+
+TEST(Diagnose, WithoutTheRightNameItIsUnknownAndNoForce) {
+    const TempDir folder;
+    const fs::path observed = with_speeds(field_test(folder / "field", 24), folder / "obs", 1.35), out = folder / "out";
+    const Outcome run = diagnose(out, {"--observed", observed.string(), "--set", "diagnosis.rounds=2", "--set",
+                                       without(R"(, "speed_error", "screen_shift")")});
+    ASSERT_EQ(run.code, 0) << run.err;
+    EXPECT_THAT(run.out, HasSubstr("=> UNKNOWN"));
+    EXPECT_THAT(run.out, HasSubstr("no force along the motion explains it"));
+    EXPECT_THAT(text_of(out / "site_extended.toml"), Not(HasSubstr("[[effect]]")));
 }
 
 TEST(Diagnose, FindsNothingInATestOfTheModelItself) {
