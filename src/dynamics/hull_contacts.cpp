@@ -13,6 +13,8 @@ namespace {
 
 /// Directions between the facets of a crest that are tried for a cut corner [-].
 constexpr int kCornerSamples = 8;
+/// Crests between facets whose normals are farther apart are sharp: they can get through a thin part of a block unseen (cosine) [-].
+constexpr double kSharpCrest = 0.5;
 /// How far below the contact plane the terrain around a tip must fall, sine of the angle [-].
 constexpr double kTipAngle = 1e-6;
 
@@ -50,10 +52,12 @@ void HullContacts::cover(const Vec3& position, double reach, const Vec2& way) {
     edge_faces_.assign(patch_.edges.size(), {0, 0});
     edge_height_.clear();
     edge_per_square_.clear();
+    edge_sharp_.clear();
     for (const PatchNode& n : patch_.nodes) node_height_.push_back(patch_.plane.height(n.position));
     for (const PatchEdge& e : patch_.edges) {
         edge_height_.push_back(std::max(patch_.plane.height(e.a), patch_.plane.height(e.b)));
         edge_per_square_.push_back(1.0 / (e.b - e.a).squaredNorm());
+        edge_sharp_.push_back(e.normal(0).dot(e.normal(1)) < kSharpCrest);
     }
 }
 
@@ -256,6 +260,17 @@ HullContacts::LowestOnCrest HullContacts::lowest_on_crest(const double* value,
     return low;
 }
 
+/// True if a facet of the crest does not fall away from the plane with this normal, but for the slack.
+static bool falls_short(const Vec3& normal, const PatchEdge& edge, std::size_t side) {
+    const Vec3 away = edge.beyond[side] - edge.a;
+    const double rise = normal.dot(away);
+    return rise > 0.0 && rise * rise > kConeSlack * kConeSlack * away.squaredNorm();
+}
+
+static bool falls_away(const Vec3& normal, const PatchEdge& edge) {
+    return !falls_short(normal, edge, 0) && !falls_short(normal, edge, 1);
+}
+
 // Along the crest a + t (b - a), phi(t) = max_f (n_f.x - d_f) over the block's faces is convex and piecewise linear: its least value is how deep the crest
 // is in the block. Where that lies inside the crest, two faces meet: their common edge crosses the crest, and the combination of the two normals that
 // is perpendicular to the crest is the direction of contact. Where a face lies almost flat on the crest, the other end of the face touches too.
@@ -266,13 +281,19 @@ void HullContacts::add_crest_contacts(std::size_t k, const Vec3& position, const
     // a plane that has separated the two may still do
     SupportingPlane& apart = edge_apart_[k];
     double room = apart.height(crest.a) + std::min(apart.normal.dot(crest.d), 0.0);
+    Vec3 outward = apart.normal;
     if (!(room > reach)) {
         // the direction from the crest's nearest point to the centre does if the block does not reach that far
-        const Vec3 to_crest = crest.a + nearest_share(k, position) * crest.d;
-        const double distance = to_crest.norm();
-        room = distance - (distance > block_.radius + reach ? block_.radius : support(block_, to_crest) / distance);
+        outward = crest.a + nearest_share(k, position) * crest.d;
+        const double distance = outward.norm();
+        room = distance - (distance > block_.radius + reach ? block_.radius : support(block_, outward) / distance);
     }
-    if (room > reach) {
+    // where the terrain does not fall away from that plane, a sharp crest may have got through a thin part of the block since the last look
+    auto may_be_through = [&](double distance) {
+        return edge_sharp_[k] && distance >= 0.0 && distance < block_.inner_radius &&
+               !falls_away(rotation * -outward.normalized(), edge);
+    };
+    if (room > reach && !may_be_through(room)) {
         edge_free_until_[k] = odometer_ + room * kOdometerShare;
         return;
     }
@@ -281,6 +302,12 @@ void HullContacts::add_crest_contacts(std::size_t k, const Vec3& position, const
     const LowestOnCrest low = lowest_on_crest(face_value_.data(), edge_faces_[k], reach);
     const double outside = low.height;
     if (outside < 0.0) cut_ = std::max(cut_, -outside);
+    const Eigen::Index left = low.left, right = low.right;
+    const double t = low.t, *slope = face_slope_.data();
+    // of left: the sum is perpendicular to the crest
+    const double share = left == right ? 1.0 : -slope[right] / (slope[left] - slope[right]);
+    outward = share * block_.normal(left) + (1.0 - share) * block_.normal(right);
+    if (may_be_through(outside) && add_passed_corner(edge, position, rotation, contacts)) return;
     // least at an end: the tip there touches, or the next crest; a face that lies almost flat across that end touches here with its other end
     if (low.left == low.right) {
         apart = {block_.normal(low.left), block_.offset[low.left], false};
@@ -291,12 +318,7 @@ void HullContacts::add_crest_contacts(std::size_t k, const Vec3& position, const
         remember_passed(k, outside);
         return;
     }
-    const Eigen::Index left = low.left, right = low.right;
-    const double t = low.t, *slope = face_slope_.data();
     edge_faces_[k] = {left, right};
-    // of left: the sum is perpendicular to the crest
-    const double share = -slope[right] / (slope[left] - slope[right]);
-    const Vec3 outward = share * block_.normal(left) + (1.0 - share) * block_.normal(right);
     apart = {outward, share * block_.offset[left] + (1.0 - share) * block_.offset[right], false};
     if (outside > reach) {
         edge_free_until_[k] = odometer_ + outside * kOdometerShare;
@@ -307,13 +329,6 @@ void HullContacts::add_crest_contacts(std::size_t k, const Vec3& position, const
         remember_passed(k, outside);
     add_far_end(crest, t, right, +1.0, reach, rotation, contacts);
     add_far_end(crest, t, left, -1.0, reach, rotation, contacts);
-}
-
-/// True if a facet of the crest does not fall away from the plane with this normal, but for the slack.
-static bool falls_short(const Vec3& normal, const PatchEdge& edge, std::size_t side) {
-    const Vec3 away = edge.beyond[side] - edge.a;
-    const double rise = normal.dot(away);
-    return rise > 0.0 && rise * rise > kConeSlack * kConeSlack * away.squaredNorm();
 }
 
 // It counts only if both terrain facets fall away from the plane through the crest with this normal; false if they do not.
@@ -329,7 +344,7 @@ bool HullContacts::add_crest_contact(const CrestInBody& crest, double t, const V
     const PatchEdge& edge = crest.edge;
     contact.arm = rotation * (crest.a + t * crest.d);
     contact.key.pair = FeaturePair::EdgeOnEdge;
-    if (falls_short(contact.normal, edge, 0) || falls_short(contact.normal, edge, 1)) {
+    if (!falls_away(contact.normal, edge)) {
         passed_by_.push_back(contact);
         return false;
     }
@@ -397,12 +412,29 @@ bool HullContacts::add_cut_corner(const PatchEdge& edge, const Vec3& position, c
 }
 
 // A corner that slips over a crest may hook under it: the faces that it is nearest to push it deeper in, and the vertex that should hold it is
-// beyond the crest. What is cut deeper than contacts are left with is pushed out along the direction between the normals of the crest's facets, both
-// included, in which the way out is shortest.
+// beyond the crest. What is cut deeper than contacts are left with is pushed out along the shortest way.
 void HullContacts::add_hooked_corner(const Vec3& position, const Mat3& rotation, std::vector<Contact<3>>& contacts) {
     for (const Contact<3>& c : contacts)
         if (-c.gap > 0.5 * passed_depth_) return;  // on its way out already
-    const PatchEdge& edge = patch_.edges[passed_crest_];
+    const Contact<3> contact = shortest_way_out(patch_.edges[passed_crest_], position, rotation);
+    if (contact.gap >= -block_.inner_radius) contacts.push_back(contact);
+}
+
+// For a crest that is outside the block, beyond faces that the terrain does not fall away from: if a point of the block lies in the ground below the
+// crest, it has got there through the block.
+bool HullContacts::add_passed_corner(const PatchEdge& edge, const Vec3& position, const Mat3& rotation,
+                                     std::vector<Contact<3>>& contacts) {
+    const Contact<3> contact = shortest_way_out(edge, position, rotation);
+    if (contact.gap < -block_.inner_radius) return false;
+    const Vec3 inside = position + contact.arm + contact.gap * contact.normal;
+    const PatchFacet* facet = patch_.facet_at(inside.head<2>());
+    if (!facet || facet->gap(inside) >= 0.0) return false;
+    contacts.push_back(contact);
+    return true;
+}
+
+// Contact of a crest along the direction, between the normals of its facets, both included, in which the block's way out is shortest.
+Contact<3> HullContacts::shortest_way_out(const PatchEdge& edge, const Vec3& position, const Mat3& rotation) {
     const Vec3 a = rotation.transpose() * (edge.a - position), d = rotation.transpose() * (edge.b - edge.a);
     face_lines(block_, a, d, face_value_.data(), face_slope_.data());
     const Vec3 facet[2] = {edge.normal(0), edge.normal(1)};
@@ -413,16 +445,16 @@ void HullContacts::add_hooked_corner(const Vec3& position, const Mat3& rotation,
         const Vec3 normal = ((1.0 - s) * facet[0] + s * facet[1]).normalized();
         double t = 0.0;
         const double way = way_out(rotation.transpose() * normal, t);
-        if (-way <= contact.gap) continue;
+        if (way <= 0.0 || -way <= contact.gap)
+            continue;  // zero or less: the block passes the crest by in that direction
         contact.gap = -way;
         contact.normal = normal;
         contact.arm = rotation * (a + t * d);
         contact.soil = edge.soil[s < 0.5 ? 0 : 1];
     }
-    if (contact.gap < -block_.inner_radius) return;
     const std::int64_t faces = block_.face_count(), vertices = block_.vertex_count();
     contact.key = {FeaturePair::EdgeOnEdge, faces * faces + vertices * vertices, edge.id};
-    contacts.push_back(contact);
+    return contact;
 }
 
 // How far the block must go along n until the crest is on its surface: the height of the lowest point of the crest over the faces is a convex function of
@@ -441,7 +473,8 @@ double HullContacts::way_out(const Vec3& n, double& t) const {
             const double share = face_slope_[low.right] / (face_slope_[low.right] - face_slope_[low.left]);
             rise = share * rate[low.left] + (1.0 - share) * rate[low.right];
         }
-        if (low.height <= 1e-12 || !(rise > 0.0)) break;
+        if (low.height <= 1e-12) break;
+        if (!(rise > 0.0)) return kInfinity;  // the block never meets the crest
         way -= low.height / rise;
     }
     return way;

@@ -111,6 +111,9 @@ private:
                            std::vector<Contact<3>>& contacts);
     bool add_cut_corner(const PatchEdge& edge, const Vec3& position, const Mat3& rotation,
                         std::vector<Contact<3>>& contacts);
+    bool add_passed_corner(const PatchEdge& edge, const Vec3& position, const Mat3& rotation,
+                           std::vector<Contact<3>>& contacts);
+    Contact<3> shortest_way_out(const PatchEdge& edge, const Vec3& position, const Mat3& rotation);
     void add_hooked_corner(const Vec3& position, const Mat3& rotation, std::vector<Contact<3>>& contacts);
     double way_out(const Vec3& n, double& t) const;
     /// Where the highest of the block's faces is lowest along a crest.
@@ -151,6 +154,7 @@ private:
     std::vector<double> node_free_until_;  ///< a tip is out of reach while odometer + reach is less [m]
     std::vector<double> edge_free_until_;  ///< same for crests [m]
     std::vector<double> edge_per_square_;  ///< one over the square of each crest's length [1/m^2]
+    std::vector<char> edge_sharp_;         ///< it can get through a thin part of the block between two looks
     double steepest_slope_ = 0.0;          ///< of the patch, tangent [-]
     std::vector<SupportingPlane>
         edge_apart_;                ///< body frame, normals not of unit length: the block is below, the crest was above

@@ -338,6 +338,72 @@ TEST(HullContacts, NoCrestIsDeepInABlockUnheld) {
     EXPECT_EQ(hooked, 0);
 }
 
+// The edge of a blade has got through a sharp crest: all its corners are in the open, and so is the crest, above the blade.
+TEST(HullContacts, ACrestThatWentThroughABladeIsSeen) {
+    const auto surface = grid_terrain(4.0, 1.0, [](double x, double) { return -6.0 * std::abs(x); });
+    const FramedBlock blade({{-0.3, -0.25, 0.0},
+                             {-0.3, 0.25, 0.0},
+                             {0.3, -0.25, 0.15},
+                             {0.3, 0.25, 0.15},
+                             {0.3, -0.25, -0.15},
+                             {0.3, 0.25, -0.15}},
+                            100.0);
+    const auto at_edge = [&](double x) {  // its centre of mass is 0.4 m from its edge
+        return contacts_of(blade, *surface, {x + 0.4, 0.1, -0.04}, Quat::Identity(), 0.0);
+    };
+    EXPECT_TRUE(at_edge(0.01).empty());
+    const auto contacts = at_edge(-0.03);
+    ASSERT_FALSE(contacts.empty());
+    for (const Contact<3>& c : contacts) {
+        EXPECT_EQ(c.key.pair, FeaturePair::EdgeOnEdge);
+        EXPECT_GE(c.normal.x(), 0.0);
+        EXPECT_GE(c.normal.z(), 1.0 / std::sqrt(37.0) - kRounding);  // between the normals of the flanks
+        const Vec3 out = Vec3(0.37, 0.1, -0.04) - 1.001 * c.gap * c.normal;
+        EXPECT_TRUE(contacts_of(blade, *surface, out, Quat::Identity(), 0.0).empty());
+    }
+}
+
+// What does not overlap is not held back: blocks a few millimetres from sharp crests. Edges of the block and crests are sampled.
+TEST(HullContacts, SharpCrestsHoldNothingThatTheyDoNotTouch) {
+    const auto surface = grid_terrain(6.0, 0.5, rough_slope(30 * kDegree, 0.8));
+    TerrainPatch all;
+    surface->gather(surface->bounds(), all);
+    RandomStream random(7, 1, RandomPurpose::Shape);
+    int free = 0, sharp = 0;
+    std::vector<Contact<3>> contacts;
+    for_random_poses(*surface, 3000, [&](const ConvexBlock& block, const Vec3& position, const Quat& q) {
+        BlockState<3> s;
+        s.position = position;
+        s.orientation = q;
+        s.position.z() += clearing_lift(block, s, *surface, 1e-4);
+        s.position += 1e-2 * Vec3(random.normal(), random.normal(), random.normal());
+        for (const auto& corners : block.facets) {
+            for (std::size_t k = 0; k < 3; ++k) {
+                const Vec3 a = s.position + q * block.vertex(corners[k]),
+                           b = s.position + q * block.vertex(corners[(k + 1) % 3]);
+                for (int i = 0; i <= 200; ++i) {
+                    const Vec3 p = a + i / 200.0 * (b - a);
+                    if (p.z() < surface->height(p.head<2>())) return;
+                }
+            }
+        }
+        for (const auto& e : all.edges) {
+            if ((e.a - s.position).norm() > 3.0) continue;
+            for (int i = 0; i <= 200; ++i) {
+                const Vec3 p = q.conjugate() * (e.a + i / 200.0 * (e.b - e.a) - s.position);
+                if ((block.nx * p.x() + block.ny * p.y() + block.nz * p.z() - block.offset).maxCoeff() < 0.0) return;
+            }
+            sharp += e.normal(0).dot(e.normal(1)) < 0.5;
+        }
+        ++free;
+        HullContacts finder(block, *surface, false);
+        finder.detect(s.position, q.toRotationMatrix(), 0.0, contacts);
+        for (const Contact<3>& c : contacts) EXPECT_GT(c.gap, -2e-3);
+    });
+    EXPECT_GT(free, 500);
+    EXPECT_GT(sharp, 10 * free);
+}
+
 // A finder that has been elsewhere gives the same contacts in the same order as a fresh one.
 TEST(HullContacts, DependOnThePoseOnly) {
     const auto surface = grid_terrain(6.0, 0.5, rough_slope(30 * kDegree, 0.1));
