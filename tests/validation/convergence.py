@@ -3,11 +3,13 @@
 """How the statistics of a campaign depend on the time step, on the smooth and the rough quarry_a, in both modes.
 
 Usage: convergence.py run   --scree PROGRAM --work FOLDER [--count 100000] [--threads N] [--only SITE/MODE/STEP ...]
-       convergence.py table --work FOLDER [--plot OUT.svg]
+       convergence.py keep  --work FOLDER
+       convergence.py table [--plot OUT.svg]
 
 `run` throws blocks in shards of SHARD, every shard with a seed of its own, and keeps what is compared in FOLDER; stopped and started again it goes on
-where it was. Runs of all steps advance side by side. `table` compares independent runs: successive steps of a mode, and the modes at their finest steps;
-shifts in standard deviations with their standard error, and the two-sample Kolmogorov-Smirnov distance with its 1 % limit.
+where it was. Runs of all steps advance side by side. `keep` writes the distributions of whole runs to results/convergence. `table` compares them: successive
+steps of a mode, and moreau_jean with the finest of event mode; shifts in standard deviations with their standard error, and the two-sample
+Kolmogorov-Smirnov distance with its 1 % limit.
 """
 import argparse
 import math
@@ -23,6 +25,8 @@ STEPS = {"event": [16e-3, 8e-3, 4e-3, 2e-3, 1e-3, 5e-4], "moreau_jean": [8e-3, 4
 SITES = ["smooth", "rough"]
 SITE_FILE = PROJECT / "sample_sites" / "quarry_a" / "site.toml"
 KS_LIMIT = math.sqrt(-math.log(0.01 / 2.0) / 2.0)  # times sqrt(1/n + 1/m): two-sample Kolmogorov-Smirnov at 1 %
+LEVELS = np.linspace(0.0, 1.0, 1001)          # at which distributions are kept: distances between them come out too small by 3 % of the limit at most
+RESULTS = Path(__file__).resolve().parent / "results" / "convergence"
 QUANTITIES = {"speed_ms": "speed", "height_m": "passing height", "spin_rads": "spin"}
 
 
@@ -85,31 +89,71 @@ def run(arguments):
                         run_shard(arguments.scree, work, site, mode, step, number, arguments.threads)
 
 
-class Run:
-    """All shards of one site, mode and step."""
+class Sample:
+    """Size, mean, standard deviation and quantiles of what was seen of one observable."""
 
-    def __init__(self, folder):
-        shards = [dict(np.load(f)) for f in sorted(folder.glob("*.npz"))]
-        self.count = SHARD * len(shards)
-        keys = [k for k in shards[0]] if shards else []
-        self.values = {k: np.sort(np.concatenate([s[k] for s in shards if k in s])) for k in keys if not k.startswith(("share:", "problems"))}
-        self.shares = {k[len("share:"):]: sum(s[k] for s in shards) for k in keys if k.startswith("share:")}
-        self.problems = sum(s["problems"] for s in shards) if shards else None
+    def __init__(self, size, mean, sd, quantiles):
+        self.size, self.mean, self.sd, self.quantiles = int(size), float(mean), float(sd), quantiles
+
+    @staticmethod
+    def of(values):
+        return Sample(len(values), values.mean(), values.std(), np.quantile(values, LEVELS))
+
+    def below(self, places):
+        """Share of the sample below each place."""
+        return np.interp(places, self.quantiles, LEVELS)
+
+
+class Run:
+    """What is kept of one site, mode and step."""
+
+    def __init__(self, count, samples, shares, problems):
+        self.count, self.samples, self.shares, self.problems = count, samples, shares, problems
+
+    @staticmethod
+    def of_shards(files):
+        shards = [dict(np.load(f)) for f in files]
+        keys = list(shards[0])
+        samples = {k: Sample.of(np.concatenate([s[k] for s in shards if k in s])) for k in keys if not k.startswith(("share:", "problems"))}
+        shares = {k[len("share:"):]: sum(s[k] for s in shards) for k in keys if k.startswith("share:")}
+        return Run(SHARD * len(shards), samples, shares, sum(s["problems"] for s in shards))
+
+    def write(self, file):
+        file.parent.mkdir(parents=True, exist_ok=True)
+        table = {f"sample:{k}": np.array([s.size, s.mean, s.sd]) for k, s in self.samples.items()}
+        table |= {f"quantiles:{k}": (s.quantiles - s.mean).astype(np.float32) for k, s in self.samples.items()}
+        np.savez_compressed(file, count=self.count, problems=self.problems, **table, **{f"share:{k}": v for k, v in self.shares.items()})
+
+    @staticmethod
+    def read(file):
+        kept = dict(np.load(file))
+        names = [k[len("sample:"):] for k in kept if k.startswith("sample:")]
+        samples = {k: Sample(*kept["sample:" + k], kept["sample:" + k][1] + kept["quantiles:" + k]) for k in names}
+        return Run(int(kept["count"]), samples, {k[len("share:"):]: v for k, v in kept.items() if k.startswith("share:")}, kept["problems"])
+
+
+def keep(arguments):
+    for site in SITES:
+        for mode, steps in STEPS.items():
+            for step in steps:
+                shards = sorted((Path(arguments.work) / site / mode / name_of(step)).glob("*.npz"))
+                if SHARD * len(shards) >= arguments.count:
+                    Run.of_shards(shards).write(RESULTS / site / mode / f"{name_of(step)}.npz")
+                    print(f"{site}, {mode}, {name_of(step)}: {SHARD * len(shards)} blocks")
 
 
 def ks_distance(a, b):
-    both = np.concatenate([a, b])
-    return np.abs(np.searchsorted(a, both, "right") / len(a) - np.searchsorted(b, both, "right") / len(b)).max()
+    both = np.concatenate([a.quantiles, b.quantiles])
+    return np.abs(a.below(both) - b.below(both)).max()
 
 
 def compare(a, b):
     """Per observable: shift from a to b in standard deviations of b, its standard error, KS distance over its 1 % limit. Shares: in standard errors."""
     rows = {}
-    for key in b.values:
-        x, y = a.values[key], b.values[key]
-        sd = y.std()
-        limit = KS_LIMIT * math.sqrt(1.0 / len(x) + 1.0 / len(y))
-        rows[key] = ((y.mean() - x.mean()) / sd, math.sqrt(1.0 / len(x) + 1.0 / len(y)), ks_distance(x, y) / limit)
+    for key in b.samples:
+        x, y = a.samples[key], b.samples[key]
+        error = math.sqrt(1.0 / x.size + 1.0 / y.size)
+        rows[key] = ((y.mean - x.mean) / y.sd, error, ks_distance(x, y) / (KS_LIMIT * error))
     for key in b.shares:
         p, q = (r.shares[key][0] / r.shares[key][1] for r in (a, b))
         pooled = (a.shares[key][0] + b.shares[key][0]) / (a.shares[key][1] + b.shares[key][1])
@@ -120,7 +164,7 @@ def compare(a, b):
 
 def print_means(site, mode, runs):
     print(f"\n### {site}, {mode}: means (standard error)\n")
-    keys = [(k, False) for k in runs[-1][1].values] + [(k, True) for k in runs[-1][1].shares]
+    keys = [(k, False) for k in runs[-1][1].samples] + [(k, True) for k in runs[-1][1].shares]
     print("| | " + " | ".join(f"{name_of(h)}, n = {r.count}" for h, r in runs) + " |")
     print("|---" * (len(runs) + 1) + "|")
     for key, share in keys:
@@ -130,8 +174,9 @@ def print_means(site, mode, runs):
                 k, n = r.shares[key]
                 cells.append(f"{100.0 * k / n:.2f} ({100.0 * math.sqrt(max(k, 1) * (n - k) / n) / n:.2f})")
             else:
-                v = r.values[key] - (np.floor(runs[-1][1].values[key].mean() / 1000.0) * 1000.0 if key.startswith("stop") else 0.0)
-                cells.append(f"{v.mean():.3f} ({v.std() / math.sqrt(len(v)):.3f})")
+                v = r.samples[key]
+                origin = math.floor(runs[-1][1].samples[key].mean / 1000.0) * 1000.0 if key.startswith("stop") else 0.0
+                cells.append(f"{v.mean - origin:.3f} ({v.sd / math.sqrt(v.size):.3f})")
         print(f"| {'stops in ' + key + ' [%]' if share else key} | " + " | ".join(cells) + " |")
 
 
@@ -146,12 +191,11 @@ def print_comparison(title, pairs):
 
 
 def table(arguments):
-    work = Path(arguments.work)
     series = {}
     for site in SITES:
         for mode, steps in STEPS.items():
-            runs = [(h, Run(work / site / mode / name_of(h))) for h in steps]
-            runs = [(h, r) for h, r in runs if r.count > 0]
+            files = [(h, RESULTS / site / mode / f"{name_of(h)}.npz") for h in steps]
+            runs = [(h, Run.read(f)) for h, f in files if f.exists()]
             if not runs:
                 continue
             series[site, mode] = runs
@@ -185,8 +229,8 @@ def plot(series):
         for (site, mode), runs in series.items():
             if (site, "event") not in series:
                 continue
-            base = series[site, "event"][-1][1].values[key]
-            lines[site, mode] = [(step, (r.values[key].mean() - base.mean()) / base.std(), 2.0 * r.values[key].std() / base.std() / math.sqrt(len(r.values[key])))
+            base = series[site, "event"][-1][1].samples[key]
+            lines[site, mode] = [(step, (r.samples[key].mean - base.mean) / base.sd, 2.0 * r.samples[key].sd / base.sd / math.sqrt(r.samples[key].size))
                                  for step, r in runs]
         every = [v + s * e for points in lines.values() for _, v, e in points for s in (-1, 1)] + [-0.05, 0.05]
         low, high = min(every), max(every)
@@ -230,11 +274,13 @@ def main():
     runner.add_argument("--count", type=int, default=100000, help="blocks of every run")
     runner.add_argument("--threads", type=int, default=0)
     runner.add_argument("--only", nargs="*", help="runs such as smooth/event/4ms")
+    keeper = commands.add_parser("keep", help="write the distributions of whole runs to results/convergence")
+    keeper.add_argument("--work", required=True)
+    keeper.add_argument("--count", type=int, default=100000, help="blocks of a whole run")
     writer = commands.add_parser("table", help="print the tables, draw the plot")
-    writer.add_argument("--work", required=True)
     writer.add_argument("--plot", help="SVG file")
     arguments = parser.parse_args()
-    run(arguments) if arguments.command == "run" else table(arguments)
+    {"run": run, "keep": keep, "table": table}[arguments.command](arguments)
 
 
 if __name__ == "__main__":
