@@ -445,8 +445,8 @@ Contact<3> HullContacts::shortest_way_out(const PatchEdge& edge, const Vec3& pos
         const Vec3 normal = ((1.0 - s) * facet[0] + s * facet[1]).normalized();
         double t = 0.0;
         const double way = way_out(rotation.transpose() * normal, t);
-        if (way <= 0.0 || -way <= contact.gap)
-            continue;  // zero or less: the block passes the crest by in that direction
+        // not above zero: the block passes the crest by in that direction
+        if (way <= 0.0 || -way <= contact.gap) continue;
         contact.gap = -way;
         contact.normal = normal;
         contact.arm = rotation * (a + t * d);
