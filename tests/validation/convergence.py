@@ -128,7 +128,7 @@ class Run:
     def read(file):
         kept = dict(np.load(file))
         names = [k[len("sample:"):] for k in kept if k.startswith("sample:")]
-        samples = {k: Sample(*kept["sample:" + k], kept["sample:" + k][1] + kept["quantiles:" + k]) for k in names}
+        samples = {k: Sample(*kept["sample:" + k], kept["sample:" + k][1] + kept["quantiles:" + k].astype(float)) for k in names}
         return Run(int(kept["count"]), samples, {k[len("share:"):]: v for k, v in kept.items() if k.startswith("share:")}, kept["problems"])
 
 
