@@ -242,8 +242,8 @@ def plot(series):
         def py(value):
             return y0 + h * (high - value) / (high - low)
         parts.append(f'<text x="{x0}" y="{y0 - 10}" font-weight="bold">{key.split(" [")[0]}: mean, shift in SD</text>')
-        parts.append(f'<rect x="{x0}" y="{y0}" width="{w}" height="{h}" fill="none" stroke="#999"/>')
         parts.append(f'<rect x="{x0}" y="{py(0.05):.1f}" width="{w}" height="{py(-0.05) - py(0.05):.1f}" fill="#eee"/>')
+        parts.append(f'<rect x="{x0}" y="{y0}" width="{w}" height="{h}" fill="none" stroke="#999"/>')
         spacing = next(s for s in (0.02, 0.05, 0.1, 0.2, 0.5, 1.0) if (high - low) / s <= 6.0)
         for j in range(math.ceil(low / spacing), math.floor(high / spacing) + 1):
             y = py(j * spacing)
@@ -259,9 +259,9 @@ def plot(series):
                 parts.append(f'<line x1="{px(s):.1f}" x2="{px(s):.1f}" y1="{py(v - e):.1f}" y2="{py(v + e):.1f}" stroke="{colour}"/>'
                              f'<circle cx="{px(s):.1f}" cy="{py(v):.1f}" r="2.5" fill="{colour}"/>')
     for j, ((site, mode), (colour, dash)) in enumerate((run, style) for run, style in STYLE.items() if run in series):
-        x = left + 165 * j
+        x = 30 + 174 * j
         y = 2 * height + 22
-        parts.append(f'<line x1="{x}" x2="{x + 30}" y1="{y}" y2="{y}" stroke="{colour}" stroke-width="1.5" stroke-dasharray="{dash}"/><text x="{x + 36}" y="{y + 4}">{mode}, {site}</text>')
+        parts.append(f'<line x1="{x}" x2="{x + 24}" y1="{y}" y2="{y}" stroke="{colour}" stroke-width="1.5" stroke-dasharray="{dash}"/><text x="{x + 30}" y="{y + 4}">{mode}, {site}</text>')
     return "\n".join(parts + ["</svg>"]) + "\n"
 
 
