@@ -12,6 +12,7 @@ namespace scree::cli {
 namespace {
 
 constexpr double kForceSeen = 2.0;  // z of a force that explains anything [-]
+constexpr double kForceMost = 0.5;  // share of what is off beyond chance that a force must take away to explain it [-]
 constexpr double kForceTold = 4.0;  // by which the square of a z is larger where two ways of a force are told apart [-]
 
 /// One way of a force, with the z of its fingerprint.
@@ -71,8 +72,15 @@ std::vector<std::string> force_sentences(const DiagnoseStudy& study) {
         return {"no force along the motion explains it, in whatever phase (z of at most " +
                 short_number(std::abs(best)) + ")"};
     const double sign = best > 0.0 ? 1.0 : -1.0;
-    std::vector<std::string> sentences{std::string("blocks behave as if they were held back ") +
-                                       (sign > 0.0 ? "more" : "less") + " than in the model " + best_of(phases, sign)};
+    std::vector<std::string> sentences;
+    const double beyond_chance = study.by_force.score.q - static_cast<double>(study.by_force.residuals.size());
+    const double taken = study.by_force.score.z.array().square().maxCoeff();
+    if (taken < kForceMost * beyond_chance)
+        sentences.push_back("no force along the motion explains it: the best takes away " +
+                            short_number(100.0 * taken / beyond_chance) +
+                            " % of what is off beyond chance; what follows is of that part only");
+    sentences.push_back(std::string("blocks behave as if they were held back ") + (sign > 0.0 ? "more" : "less") +
+                        " than in the model " + best_of(phases, sign));
     if (!(sign * of_contact > kForceSeen)) return sentences;
     std::vector<ForceWay> speeds, of_masses;
     std::size_t power = 0;

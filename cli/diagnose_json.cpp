@@ -122,6 +122,7 @@ std::string diagnose_json(const DiagnoseStudy& study) {
         json["global_test"] = {
             {"level", study.settings.level}, {"z_limit", d.test.z_limit}, {"residual_limit", d.test.residual_limit}};
         if (!study.planning) {
+            json["global_test"]["q"] = d.score.q;
             json["global_test"]["p"] = d.test.p;
             json["global_test"]["p_any"] = d.test.p_q;
             json["global_test"]["p_effect"] = d.test.p_z;

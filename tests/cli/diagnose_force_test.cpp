@@ -138,6 +138,17 @@ TEST(DiagnoseForce, SaysThatNoForceExplainsIt) {
     EXPECT_THAT(said[0], HasSubstr("no force along the motion explains it"));
 }
 
+TEST(DiagnoseForce, SaysHowMuchAForceLeaves) {
+    DiagnoseStudy study = tried({6, 0, 0, 0, 0, 0, 0, 0, 0}, 0.0, {0.0, 0.0});
+    study.by_force.residuals.resize(20);
+    study.by_force.score.q = 20.0 + 40.0;
+    EXPECT_THAT(force_sentences(study)[0], HasSubstr("held back more")) << "36 of 40";
+    study.by_force.score.q = 20.0 + 360.0;
+    const auto said = force_sentences(study);
+    EXPECT_THAT(said[0], HasSubstr("no force along the motion explains it: the best takes away 10 % of what is off"));
+    EXPECT_THAT(said[1], HasSubstr("held back more"));
+}
+
 TEST(DiagnoseForce, IsSilentWhereNoneWasTried) {
     EXPECT_THAT(force_sentences(DiagnoseStudy{}), IsEmpty());
 }
