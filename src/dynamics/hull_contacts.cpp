@@ -421,14 +421,16 @@ void HullContacts::add_hooked_corner(const Vec3& position, const Mat3& rotation,
 }
 
 // For a crest that is outside the block, beyond faces that the terrain does not fall away from: if a point of the block lies in the ground below the
-// crest, it has got there through the block.
+// crest, deeper than contacts are left with and than those found so far, it has got there through the block.
 bool HullContacts::add_passed_corner(const PatchEdge& edge, const Vec3& position, const Mat3& rotation,
                                      std::vector<Contact<3>>& contacts) {
     const Contact<3> contact = shortest_way_out(edge, position, rotation);
     if (contact.gap < -block_.inner_radius) return false;
     const Vec3 inside = position + contact.arm + contact.gap * contact.normal;
     const PatchFacet* facet = patch_.facet_at(inside.head<2>());
-    if (!facet || facet->gap(inside) >= 0.0) return false;
+    if (!facet || facet->gap(inside) >= -kHooked) return false;
+    for (const Contact<3>& c : contacts)
+        if (c.gap <= facet->gap(inside)) return false;
     contacts.push_back(contact);
     return true;
 }

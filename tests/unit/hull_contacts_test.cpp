@@ -363,6 +363,26 @@ TEST(HullContacts, ACrestThatWentThroughABladeIsSeen) {
     }
 }
 
+// The tip of a block leans on a wall below its sharp crest. The crest has not got through the block, though ways along the wall meet the tip: the
+// slope behind the crest is such that some of the directions that are looked into are along it.
+TEST(HullContacts, ABlockThatLeansOnAWallIsNotThroughItsCrest) {
+    const Vec3 wall = Vec3(6.0, 0.0, 1.0).normalized();
+    for (int k = 0; k < 40; ++k) {
+        const double behind = 0.2 + 0.025 * k;
+        const auto surface = grid_terrain(4.0, 1.0, [&](double x, double) { return x < 0.0 ? behind * x : -6.0 * x; });
+        for (const double below : {0.01, 0.03, 0.1}) {
+            for (const double overlap : {1e-5, 1e-4, 3e-4}) {
+                const Vec3 tip = Vec3(below / 6.0, 0.1, -below) - overlap * wall;
+                const auto contacts =
+                    contacts_of(diamond(), *surface, tip + Vec3(0.5, 0.0, 0.0), Quat::Identity(), 0.0);
+                ASSERT_EQ(contacts.size(), 1u) << behind << ", " << below << " m, " << overlap << " m";
+                EXPECT_EQ(contacts.front().key.pair, FeaturePair::VertexOnFacet);
+                EXPECT_NEAR(contacts.front().gap, -overlap, kRounding);
+            }
+        }
+    }
+}
+
 // What does not overlap is not held back: blocks a few millimetres from sharp crests. Edges of the block and crests are sampled.
 TEST(HullContacts, SharpCrestsHoldNothingThatTheyDoNotTouch) {
     const auto surface = grid_terrain(6.0, 0.5, rough_slope(30 * kDegree, 0.8));
