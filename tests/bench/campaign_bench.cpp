@@ -5,6 +5,8 @@
 #include "gis/raster_writer.hpp"
 #include "scree/base/random.hpp"
 #include "scree/ensemble/campaign.hpp"
+#include "support/block_set.hpp"
+#include "support/paths.hpp"
 
 #include <malloc.h>
 
@@ -25,7 +27,16 @@ CampaignInput campaign_input(Ground ground) {
     return input;
 }
 
-/// Runs campaigns; what one block costs in steps stands beside its time.
+/// What blocks cost in steps, beside their time.
+void report_blocks(benchmark::State& state, std::int64_t blocks, const TrajectoryCounters& counters,
+                   const WorkMeter& meter) {
+    report(state, blocks, meter);
+    const auto per_block = [&](std::int64_t count) { return static_cast<double>(count) / static_cast<double>(blocks); };
+    state.counters["contact_steps"] = per_block(counters.contact_steps);
+    state.counters["impacts"] = per_block(counters.impacts);
+    state.counters["flight_looks"] = per_block(counters.flight_evaluations);
+}
+
 void run_campaigns(benchmark::State& state, const CampaignInput& input, WorkMeter::Time time) {
     TrajectoryCounters counters;
     const std::atomic<bool> stop{false};
@@ -38,27 +49,62 @@ void run_campaigns(benchmark::State& state, const CampaignInput& input, WorkMete
             blocks += result.released;
         });
     }
-    report(state, blocks, meter);
-    const auto per_block = [&](std::int64_t count) { return static_cast<double>(count) / static_cast<double>(blocks); };
-    state.counters["contact_steps"] = per_block(counters.contact_steps);
-    state.counters["impacts"] = per_block(counters.impacts);
-    state.counters["flight_looks"] = per_block(counters.flight_evaluations);
+    report_blocks(state, blocks, counters, meter);
 }
 
-/// One thread, CPU time. Arguments: rough, mode, step in ms. Event mode at its default step and at the longest one whose statistics are the same.
+/// Mode and step from the arguments: moreau_jean, step in ms. Event mode runs at its default step and at the longest one whose statistics are the same.
+void set_stepping(const benchmark::State& state, DynamicsSettings& dynamics) {
+    dynamics.mode = state.range(1) != 0 ? SteppingMode::MoreauJean : SteppingMode::Event;
+    dynamics.time_step = 1e-3 * static_cast<double>(state.range(2));
+}
+void add_stepping(benchmark::internal::Benchmark* b) {
+    b->ArgNames({"rough", "moreau_jean", "step_ms"})
+        ->ArgsProduct({{0, 1}, {0}, {8, 16}})
+        ->ArgsProduct({{0, 1}, {1}, {1}})
+        ->Unit(benchmark::kMillisecond);
+}
+
+/// One thread, CPU time. First argument: rough.
 void campaign(benchmark::State& state) {
     CampaignInput input = campaign_input(state.range(0) != 0 ? Ground::Rough : Ground::Smooth);
-    input.dynamics.mode = state.range(1) != 0 ? SteppingMode::MoreauJean : SteppingMode::Event;
-    input.dynamics.time_step = 1e-3 * static_cast<double>(state.range(2));
+    set_stepping(state, input.dynamics);
     run_campaigns(state, input, WorkMeter::Time::Cpu);
 }
-BENCHMARK(campaign)
-    ->ArgNames({"rough", "moreau_jean", "step_ms"})
-    ->ArgsProduct({{0, 1}, {0}, {8, 16}})
-    ->ArgsProduct({{0, 1}, {1}, {1}})
-    ->Unit(benchmark::kMillisecond);
+BENCHMARK(campaign)->Apply(add_stepping);
 
-/// The same in 2D, on the site's profile, as it is or with 5 cm of noise on every vertex.
+/// The engine alone, no hulls built and no maps recorded: the 30 blocks of 49 vertices of the reference path_a on its slope.
+void path_a(benchmark::State& state) {
+    constexpr std::int64_t kCopies = 7;
+    const auto blocks = test::read_blocks(test::shared_data("reference/path_a_blocks"));
+    const auto surface =
+        test::read_node_grid(test::shared_data("reference/path_a.asc"), state.range(0) != 0 ? 0.05 : 0.0);
+    Soil soil;
+    soil.restitution = 0.0;
+    soil.friction = 0.6;
+    soil.rolling = 0.05;
+    DynamicsSettings dynamics;
+    set_stepping(state, dynamics);
+    TrajectoryCounters counters;
+    std::int64_t thrown = 0;
+    WorkMeter meter(WorkMeter::Time::Cpu);
+    for (auto _ : state) {
+        meter.measure([&] {
+            for (std::size_t b = 0; b < blocks.size(); ++b)
+                for (std::int64_t copy = 0; copy < kCopies; ++copy, ++thrown)
+                    counters.merge(
+                        test::throw_block(test::copy_of(blocks[b], b, copy), *surface, {soil}, dynamics, {}).counters);
+        });
+    }
+    report_blocks(state, thrown, counters, meter);
+}
+[[maybe_unused]] const auto* path_a_where_present = [] {
+    auto* b =
+        test::shared_data("reference/path_a_blocks").empty() ? nullptr : benchmark::RegisterBenchmark("path_a", path_a);
+    if (b) add_stepping(b);
+    return b;
+}();
+
+/// Campaigns in 2D, on the site's profile, as it is or with 5 cm of noise on every vertex.
 CampaignInput plane_input(bool rough, bool moreau_jean) {
     static const cli::SiteModel site =
         cli::load_site(cli::read_site_file(SCREE_SOURCE_DIR "/sample_sites/quarry_a/site.toml", {"model.dimension=2"}));
@@ -140,7 +186,7 @@ void terrain_read(benchmark::State& state) {
     const fs::path folder = ::mkdtemp(name.data());
     gis::write_geotiff(folder / "dtm_m.tif", site.terrain.data.frame, layer);
     const cli::SiteFile file = cli::read_site_file(SCREE_SOURCE_DIR "/sample_sites/quarry_a/site.toml",
-                                                   {"terrain.dtm=" + (folder / "dtm_m.tif").string()});
+                                                   {std::string("terrain.dtm=").append(folder / "dtm_m.tif")});
     std::int64_t cells = 0;
     WorkMeter meter;
     for (auto _ : state) {

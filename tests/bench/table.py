@@ -11,8 +11,8 @@ import sys
 STANDARD = {"items_per_second", "per_1e9_additions", "additions_per_s"}
 FIELDS = {"name", "family_index", "per_family_instance_index", "run_name", "run_type", "repetitions", "repetition_index", "threads", "iterations",
           "real_time", "cpu_time", "time_unit", "aggregate_name", "aggregate_unit"}
-THINGS = {"campaign": "blocks", "campaign_threads": "blocks", "campaign_terrain": "blocks", "surface_build": "cells", "terrain_read": "cells",
-          "hull_build": "hulls", "detection": "looks", "solver": "problems", "flight": "flights"}
+THINGS = {"campaign": "blocks", "campaign_threads": "blocks", "campaign_terrain": "blocks", "campaign_plane": "blocks", "path_a": "blocks",
+          "surface_build": "cells", "terrain_read": "cells", "hull_build": "hulls", "detection": "looks", "solver": "problems", "flight": "flights"}
 
 
 def number(value):
