@@ -79,18 +79,18 @@ inline Vec3 gyroscopic_torque(const Vec3& moment, const Vec3& spin) {
     return moment.cwiseProduct(spin).cross(spin);
 }
 
-inline Mat3 cross_matrix(const Vec3& a) {
-    Mat3 m;
-    m << 0, -a.z(), a.y(), a.z(), 0, -a.x(), -a.y(), a.x(), 0;
-    return m;
-}
-
 /// Rotational part of one linearised theta = 1/2 step: (I - h/2 dtau/dOmega)^-1 and the spin without contact impulses.
 inline Mat3 spin_response(const Vec3& moment, const Vec3& spin, double h) {
-    const Mat3 inertia = moment.asDiagonal();
-    // d/dOmega (I Omega x Omega) = [I Omega]x - [Omega]x I
-    const Mat3 derivative = cross_matrix(moment.cwiseProduct(spin)) - cross_matrix(spin) * inertia;
-    return (inertia - 0.5 * h * derivative).inverse();
+    // the torque about the first axis is (I_2 - I_3) w_2 w_3, the others follow round
+    const double k1 = 0.5 * h * (moment[1] - moment[2]), k2 = 0.5 * h * (moment[2] - moment[0]),
+                 k3 = 0.5 * h * (moment[0] - moment[1]);
+    const Vec3 row1(moment[0], -k1 * spin[2], -k1 * spin[1]), row2(-k2 * spin[2], moment[1], -k2 * spin[0]),
+        row3(-k3 * spin[1], -k3 * spin[0], moment[2]);
+    const Vec3 column = row2.cross(row3);
+    const double share = 1.0 / row1.dot(column);
+    Mat3 inverse;
+    inverse << share * column, share * row3.cross(row1), share * row1.cross(row2);
+    return inverse;
 }
 inline Eigen::Matrix<double, 1, 1> spin_response(const Space<2>::Spin& moment, const Space<2>::Spin&, double) {
     return moment.cwiseInverse();
