@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Draws blind cases for `scree diagnose`: a slope, a model, a field test, and something hidden in it, or nothing.
 
-Usage: generate.py SCREE FOLDER --seed N [--first N] [--cases N] [--tiers 0,1,...] [--count N] [--threads N]
+Usage: generate.py SCREE FOLDER --seed N [--first N] [--cases N] [--slopes SET] [--tiers 0,1,...] [--count N] [--threads N]
 
 Writes FOLDER/cases/NNNN/{site.toml, blocks.csv, observed/} for the finder, FOLDER/sites/ with the slopes, FOLDER/sealed/NNNN.json with what is
 hidden, and FOLDER/sealed.sha256 with the hash of each sealed file. What is hidden is drawn from sha256(seed, number of the case). Of Scree it uses
@@ -121,8 +121,8 @@ class Case:
         r = self.random
         tiers = {t: p for t, p in TIERS.items() if t in args.tiers}
         self.tier = int(r.choice(list(tiers), p=np.array(list(tiers.values())) / sum(tiers.values())))
-        self.slope = str(r.choice(list(terrains.SLOPES)))
-        self.n = int(r.choice([30, 50, 50, 50, 100]))
+        self.slope = str(r.choice(terrains.SETS[args.slopes]))
+        self.n = int(r.choice([30, 50, 100], p=[0.1, 0.8, 0.1]))
         self.n = args.blocks or self.n
         self.ids = bool(r.uniform() < 0.7)
         self.instruments = ["stops", "speed"] + (["height", "spin"] if self.ids and r.uniform() < 0.6 else [])
@@ -146,7 +146,7 @@ class Case:
                 self.ids = True
                 self.instruments = ["stops", "speed", "height", "spin"] + [i for i in self.instruments if i == "impacts"]
         elif self.tier == 2:
-            table = {**SAME_FORMULA, **SAME_FAMILY}
+            table = SAME_FAMILY
             while len(names) < 2 or set(table[names[0]][0]) & set(table[names[1]][0]):
                 names = [str(name) for name in r.choice(list(table), 2, replace=False)]
         if self.tier == 6:
@@ -427,12 +427,13 @@ def main():
     parser.add_argument("--seed", required=True, help="any text; development and test use different ones")
     parser.add_argument("--first", type=int, default=0)
     parser.add_argument("--cases", type=int, default=1)
+    parser.add_argument("--slopes", choices=list(terrains.SETS), default="test")
     parser.add_argument("--tiers", type=lambda text: [int(t) for t in text.split(",")], default=list(TIERS))
     parser.add_argument("--count", type=int, default=2000, help="simulated blocks behind a delta (default 2000)")
     parser.add_argument("--blocks", type=int, default=0, help="of every case (default: 30, 50 or 100 are drawn)")
     parser.add_argument("--threads", type=int, default=0)
     args = parser.parse_args()
-    for name in terrains.SLOPES:
+    for name in terrains.SETS[args.slopes]:
         terrains.write(name, args.folder / "sites")
     sealed = args.folder / "sealed"
     sealed.mkdir(exist_ok=True)

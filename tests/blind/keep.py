@@ -4,8 +4,9 @@
 
 Usage: keep.py TARGET FOLDER [FOLDER ...]
 
-Writes TARGET/sealed.sha256, TARGET/finder.json and TARGET/run.tar.xz with sealed/NNNN.json and found/NNNN.json, of which what score.py reads is kept. Cases
-that were sealed and not yet found stay out. Unpacked beside the other two files it can be scored, and generate.py and find.py go on from there.
+Writes TARGET/sealed.sha256 and, of what was found so far, TARGET/finder.json and TARGET/run.tar.xz with sealed/NNNN.json and found/NNNN.json, of which what
+score.py reads is kept. The hashes of cases that were not yet looked at are kept, their truths stay out. Unpacked beside the other two files a run can be
+scored, and generate.py and find.py go on from there.
 """
 import argparse
 import io
@@ -31,27 +32,30 @@ def main():
     parser.add_argument("target", type=Path)
     parser.add_argument("folders", type=Path, nargs="+")
     args = parser.parse_args()
-    finders = {(folder / "finder.json").read_text() for folder in args.folders}
-    if len(finders) != 1:
+    finders = {(folder / "finder.json").read_text() for folder in args.folders if (folder / "finder.json").exists()}
+    if len(finders) > 1:
         sys.exit("the folders were found by different programs or with different settings")
     seals, files = {}, {}
     for folder in args.folders:
-        hashes = dict(reversed(line.split()) for line in (folder / "sealed.sha256").read_text().splitlines())
+        for line in (folder / "sealed.sha256").read_text().splitlines():
+            digest, name = line.split()
+            if seals.setdefault(name, digest) != digest:
+                sys.exit(f"{folder}: {name} was sealed twice")
         for found in (folder / "found").glob("*.json"):
             name = f"sealed/{found.name}"
-            if seals.setdefault(name, hashes[name]) != hashes[name]:
-                sys.exit(f"{folder}: {name} was sealed twice")
             files[name] = (folder / name).read_bytes()
             files[f"found/{found.name}"] = condensed(found)
     args.target.mkdir(parents=True, exist_ok=True)
-    (args.target / "finder.json").write_text(finders.pop())
     (args.target / "sealed.sha256").write_text("".join(f"{seals[name]}  {name}\n" for name in sorted(seals)))
+    if not files:
+        sys.exit(f"{len(seals)} hashes kept, nothing was found yet")
+    (args.target / "finder.json").write_text(finders.pop())
     with tarfile.open(args.target / "run.tar.xz", "w:xz") as tar:
         for name in sorted(files):
             member = tarfile.TarInfo(name)
             member.size = len(files[name])
             tar.addfile(member, io.BytesIO(files[name]))
-    print(f"{len(seals)} cases kept")
+    print(f"{len(files) // 2} of {len(seals)} cases kept")
 
 
 if __name__ == "__main__":

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The slopes of the blind cases. None of them is a sample site, on which thresholds were chosen."""
+"""The slopes of the blind cases: some for development, on which thresholds were chosen as on the sample sites, others for tests."""
 import math
 import os
 
@@ -21,7 +21,11 @@ SLOPES = {
     "talus": {"reaches": [(18, 37), (42, 35), (15, 25), (15, 12), (70, 1)], "floor": 74.0, "screens": (35.0, 66.0), "crown": 10.0},
     "benches": {"reaches": [(30, 37), (5, 55), (7, 3), (22, 38), (6, 4), (25, 35), (70, 1)], "floor": 102.0, "screens": (40.0, 78.0), "crown": 10.0},
     "convex": {"reaches": [(15, 28), (20, 34), (20, 40), (6, 2), (25, 33), (20, 15), (70, 1)], "floor": 94.0, "screens": (50.0, 84.0), "crown": 8.0},
+    "couloir": {"reaches": [(22, 40), (10, 30), (28, 37), (18, 22), (15, 8), (100, 0)], "floor": 88.0, "screens": (38.0, 78.0), "crown": 10.0},
+    "steps": {"reaches": [(20, 36), (4, 60), (9, 6), (26, 37), (5, 50), (8, 4), (20, 33), (100, 0)], "floor": 102.0, "screens": (52.0, 92.0), "crown": 10.0},
+    "hollow": {"reaches": [(15, 43), (15, 38), (15, 34), (15, 28), (15, 18), (15, 8), (100, 0)], "floor": 78.0, "screens": (34.0, 64.0), "crown": 10.0},
 }
+SETS = {"development": ("talus", "benches", "convex"), "test": ("couloir", "steps", "hollow")}
 
 
 def heights(name, x):
