@@ -58,7 +58,7 @@ double least_difference(const DiagnoseStudy& study, const Diagnosis& plan) {
 }  // namespace
 
 bool look_alike(const Diagnosis& plan, const EffectFinding& a, const EffectFinding& b) {
-    return a.effect != b.effect && cosine(plan, a, b) >= kSameLooks && a.visibility > 1.0 && b.visibility > 1.0;
+    return a.effect != b.effect && cosine(plan, a, b) >= kSameLooks && a.visible && b.visible;
 }
 
 std::vector<FurtherRow> further_rows(const DiagnoseStudy& study) {

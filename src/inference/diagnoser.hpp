@@ -193,6 +193,7 @@ private:
     Base base_;
     Eigen::VectorXd deviation_;        ///< of the parameters before the test: of their ranges
     double left_without_ = kInfinity;  ///< by the model without effects, followed from the calibrated parameters [-]
+    bool planning_ = false;            ///< nothing was measured yet
     std::size_t done_ = 0, planned_ = 0;
     std::int64_t simulated_ = 0;
     std::uint64_t next_seed_ = 0;

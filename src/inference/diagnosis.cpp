@@ -243,7 +243,7 @@ std::size_t Diagnoser::fingerprint_of(const EffectFinding& f) const {
     return static_cast<std::size_t>(found - variants_.begin());
 }
 
-/// Every effect by its best variant.
+/// Every effect by its best variant: what can be seen, then what explains most; of a plan the one that can be seen most clearly.
 std::vector<EffectFinding> Diagnoser::findings(const ScoreResult& score, double z_limit) const {
     std::vector<EffectFinding> all;
     for (std::size_t e = 0; e < problem_.effects.size(); ++e) {
@@ -254,7 +254,10 @@ std::vector<EffectFinding> Diagnoser::findings(const ScoreResult& score, double 
         for (std::size_t k = 0; k < variants_.size(); ++k) {
             if (variants_[k].effect != e) continue;
             const auto i = static_cast<Eigen::Index>(k);
-            const auto better = [&](Eigen::Index a, Eigen::Index b) {  // what can be seen first
+            const auto better = [&](Eigen::Index a, Eigen::Index b) {
+                const double most_a = score.expected[a] * most_of(static_cast<std::size_t>(a)),
+                             most_b = score.expected[b] * most_of(static_cast<std::size_t>(b));
+                if (planning_) return most_a > most_b;
                 const bool seen_a = visible(static_cast<std::size_t>(a), score),
                            seen_b = visible(static_cast<std::size_t>(b), score);
                 return seen_a != seen_b ? seen_a : score.z[a] > score.z[b];
@@ -470,6 +473,7 @@ void Diagnoser::conclude(Diagnosis& d, std::vector<Hypothesis>& followed) const 
 
 Diagnosis Diagnoser::run(Of of) {
     const bool measured = of != Of::Plan;
+    planning_ = !measured;
     Diagnosis d;
     d.interrupted = true;
     if (!build_space() || !differentiate() || (of == Of::Calibrated && !recentre()) || !take_fingerprints()) return d;
