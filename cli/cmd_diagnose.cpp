@@ -166,8 +166,7 @@ DiagnosisSettings settings_of(const SiteFile& site, bool full) {
 /// Before hours of calibration: residuals need so many rows.
 void require_enough_blocks(const Context& context, const ObservedSite& observed) {
     const Observations& o = observed.observations;
-    const std::size_t blocks = side_by_side(measured_table(o, observed.op), o.thrown).rows(),
-                      least = ResidualSpace::kLeastRows;
+    const std::size_t blocks = side_by_side(o, observed.op).rows(), least = ResidualSpace::kLeastRows;
     if (blocks >= least || observed.has_errors()) return;  // errors are a verdict of their own
     throw InputError((context.plan ? "A test of " : context.observed + ": a test of ") + std::to_string(blocks) +
                      " blocks is too small for a diagnosis, which needs at least " + std::to_string(least) +

@@ -59,6 +59,7 @@ constexpr Search kSearches[] = {
     {"screen_shift", K::ScreenShift, "shift", 2.0, 5.0, Where::Everywhere, "down the slope"},
     {"screen_shift", K::ScreenShift, "shift", -2.0, 5.0, Where::Everywhere, "up the slope"},
     {"slow_missed", K::SlowMissed, "least_speed", 2.0, 4.0, Where::Everywhere, ""},
+    {"broken_block", K::BrokenBlock, "last_impact", 0.5, 2.0, Where::Everywhere, ""},
     {"ids_shuffled", K::IdsShuffled, "share", 0.5, 2.0, Where::Everywhere, ""},
     {"height_datum", K::HeightDatum, "offset", 0.3, 6.0, Where::Everywhere, "too high"},
     {"height_datum", K::HeightDatum, "offset", -0.3, 6.0, Where::Everywhere, "too low"},
@@ -146,8 +147,7 @@ public:
         for (const char* line :
              {"net, berm: where they stand is known; draw them into the site and compare",
               "scar_drag: as ground_drag, which is searched; its depth needs impacts that were measured",
-              "air_drag: a per cent of the weight at most",
-              "broken_block: the place of the last impact of a simulated block is not kept"})
+              "air_drag: a per cent of the weight at most"})
             result_.left_out.emplace_back(line);
         result_.put_on = puts_on();
         return std::move(result_);
@@ -190,14 +190,17 @@ private:
     }
 
     bool measured(Quantity q) const { return std::find(measured_.begin(), measured_.end(), q) != measured_.end(); }
+    bool has_effect(EffectKind kind) const {
+        return std::any_of(s_.effects.begin(), s_.effects.end(),
+                           [&](const EffectSettings& e) { return e.effect.kind == kind; });
+    }
 
     /// Why an effect is not searched for; empty: it is.
     std::string reason_against(const Search& search, const EffectInfo& info) const {
         if (std::find(s_.diagnosis_without.begin(), s_.diagnosis_without.end(), search.family) !=
             s_.diagnosis_without.end())
             return "said to be absent (diagnosis.without)";
-        for (const EffectSettings& e : s_.effects)
-            if (e.effect.kind == search.kind) return "the site has it";
+        if (has_effect(search.kind)) return "the site has it";
         if (info.limits.needs_impact && s_.dynamics.mode != SteppingMode::Event) return "needs model.mode = \"event\"";
         const bool bounces =
             std::any_of(s_.soils.begin(), s_.soils.end(), [](const Soil& soil) { return soil.restitution > 0.0; });
@@ -209,6 +212,9 @@ private:
             return "needs blocks that are identified";
         if ((k == K::SpeedError || k == K::SlowMissed) && !measured(Quantity::Speed)) return "no speeds were measured";
         if (k == K::ScreenShift && observed_.op.screens.empty()) return "there are no screens";
+        if (k == K::BrokenBlock && !has_effect(K::Fragmentation))
+            return "needs blocks that break, the effect fragmentation";
+        if (k == K::BrokenBlock && !measured(Quantity::Along)) return "no stops were measured";
         if (k == K::HeightDatum && !measured(Quantity::Height)) return "no passing heights were measured";
         if (k == K::BlockShape && search.parameter == std::string("corners") && s_.shape != BlockShape::Hull)
             return "corners are fixed by blocks.shape";

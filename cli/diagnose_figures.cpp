@@ -72,7 +72,7 @@ Figure where_figure(const DiagnoseStudy& study) {
     order.resize(std::min(order.size(), kMostRows));
     std::vector<Bar> bars;
     for (const std::size_t k : order)
-        bars.push_back({residual_name(d.residuals[k], study.screens),
+        bars.push_back({residual_name(d.residuals[k], study.screens, study.zones),
                         d.score.standardised[static_cast<Eigen::Index>(k)],
                         d.test.residual_p[static_cast<Eigen::Index>(k)] <= study.settings.level, ""});
     Figure f = bar_chart(bars, -d.test.residual_limit, d.test.residual_limit, "What the calibrated model leaves",

@@ -131,7 +131,7 @@ std::string diagnose_json(const DiagnoseStudy& study) {
         }
         json["residuals"] = Json::array();
         for (std::size_t k = 0; k < d.residuals.size(); ++k) {
-            Json row{{"name", residual_name(d.residuals[k], study.screens)}};
+            Json row{{"name", residual_name(d.residuals[k], study.screens, study.zones)}};
             if (!study.planning) {
                 row["standardised"] = d.score.standardised[static_cast<Eigen::Index>(k)];
                 row["p"] = d.test.residual_p[static_cast<Eigen::Index>(k)];

@@ -102,8 +102,7 @@ public:
         study_.interrupted = once.interrupted;
         if (study_.interrupted) return;
         const ObservedSite all = with_instruments(filmed, instruments, once, in_.site.settings.observed);
-        const ObservationTable would_be =
-            side_by_side(measured_table(all.observations, all.op), all.observations.thrown);
+        const ObservationTable would_be = side_by_side(all.observations, all.op);
         const DiagnosisSimulation simulated = simulation(model, catalogue, test, all, "with all instruments ");
         for (const FurtherInstrument& instrument : instruments) {
             Diagnosis plan = scree::plan_test(
@@ -148,10 +147,7 @@ public:
     }
 
 private:
-    ObservationTable measured() const {
-        return side_by_side(measured_table(in_.observed.observations, in_.observed.op),
-                            in_.observed.observations.thrown);
-    }
+    ObservationTable measured() const { return side_by_side(in_.observed.observations, in_.observed.op); }
 
     std::function<void(const DiagnosisProgress&)> reporter() const {
         return [this](const DiagnosisProgress& p) { in_.progress(p.stage, p.done, p.planned); };
@@ -386,6 +382,7 @@ void run_study(const DiagnoseInput& input, DiagnoseStudy& study) {
     study.audit = input.observed.findings;
     study.blocks = measured_blocks(input.observed.observations);
     study.screens = input.observed.op.screens;
+    study.zones = input.observed.op.zones;
     study.impacts = input.observed.op.impacts;
     study.screen_of = input.observed.op.screen_of;
     study.in_plane = input.model.in_plane();
@@ -400,6 +397,7 @@ void plan_study(const DiagnoseInput& input, DiagnoseStudy& study) {
     study.planning = true;
     study.blocks = measured_blocks(input.observed.observations);
     study.screens = input.observed.op.screens;
+    study.zones = input.observed.op.zones;
     study.impacts = input.observed.op.impacts;
     study.screen_of = input.observed.op.screen_of;
     study.in_plane = input.model.in_plane();

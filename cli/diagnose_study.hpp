@@ -56,6 +56,7 @@ struct DiagnoseStudy {
     DiagnosisCatalogue catalogue;
     std::vector<std::string> screens;     ///< the last 2 * impacts are starts and ends of impacts
     std::size_t impacts = 0;              ///< of a block, that were measured [-]
+    std::vector<std::string> zones;       ///< deposit zones
     std::vector<std::int32_t> screen_of;  ///< of `screens`, of each screen of the site [-]
     std::vector<Finding> audit;
     std::vector<std::string> inputs;  ///< a line each

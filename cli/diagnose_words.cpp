@@ -129,11 +129,11 @@ std::string direction(const Residual& r, bool more) {
 }
 
 /// The words of a residual without what `direction` says anyway.
-std::string subject_of(const Residual& r, std::span<const std::string> screens) {
+std::string subject_of(const DiagnoseStudy& study, const Residual& r) {
     Residual plain = r;
     if (r.kind == ResidualKind::MassTrend || r.kind == ResidualKind::ShapeTrend || r.kind == ResidualKind::OrderTrend)
         plain.kind = ResidualKind::Level;
-    return residual_name(plain, screens);
+    return residual_name(plain, study.screens, study.zones);
 }
 
 /// "ground_drag, on loose waste (drag in contact)", of two effects both.
@@ -219,7 +219,7 @@ std::vector<std::string> where_sentences(const DiagnoseStudy& study) {
         const double s = d.score.standardised[i];
         const Residual& r = d.residuals[k];
         sentences.push_back(
-            subject_of(r, study.screens) + " " + direction(r, s > 0.0) +
+            subject_of(study, r) + " " + direction(r, s > 0.0) +
             (r.kind == ResidualKind::Level || r.kind == ResidualKind::Passed ? in_units(study, r.column, s > 0.0)
                                                                              : std::string()) +
             " (" + short_number(std::abs(s)) + " standard deviations, p = " + p_text(d.test.residual_p[i]) + ")");

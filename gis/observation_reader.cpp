@@ -152,6 +152,9 @@ void add_shares(RecordTable& table, ObservationRecords& records) {
         const double blocks = std::isnan(count) ? std::round(0.01 * percent * released) : count;
         if (blocks != std::floor(blocks) || released != std::floor(released))
             table.refuse(r, "has a count that is no whole number of blocks.");
+        if (blocks > released)
+            table.refuse(
+                r, words("counts ", blocks, " blocks in the zone but ", released, " released; mend one of them."));
         if (!std::isnan(percent) && std::abs(100.0 * blocks / released - percent) >
                                         kPercentRounding + (std::isnan(count) ? 50.0 / released : 0.0))
             table.refuse(

@@ -10,6 +10,7 @@
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
+#include <cmath>
 #include <mutex>
 #include <optional>
 #include <span>
@@ -92,6 +93,7 @@ void run_block_in_space(const CampaignInput& input, const Prepared& prepared, st
     const TrajectoryEnd<3> end = simulate_block(block.body, release, *input.surface, input.soils, input.dynamics,
                                                 &recorder, {input.effects, input.seed, key});
     result.stop = end.state.position;
+    result.broke_at = end.broke_at;
     const GridShape& grid = input.result_cells;
     const int column = grid.column_of(result.stop.x()), row = grid.row_of(result.stop.y());
     const auto cell = grid.contains(column, row) ? std::optional(grid.index(column, row)) : std::nullopt;
@@ -124,6 +126,7 @@ void run_block_on_profile(const CampaignInput& input, const Prepared& prepared, 
     const TrajectoryEnd<2> end =
         simulate_block(block.body, release, ground, input.soils, input.dynamics, &recorder, {effects, input.seed, key});
     result.stop = on_map(end.state.position);
+    if (std::isfinite(end.broke_at.x())) result.broke_at = on_map(end.broke_at);
     result.stop_s = end.state.position.x();
     const auto cell = static_cast<std::size_t>(std::max(0.0, result.stop_s / input.cell_along));
     settle(input, number, end, recorder, place.profile,

@@ -137,6 +137,9 @@ public:
                 case EffectKind::HeightDatum:
                     datum_ += e.value("offset");
                     break;
+                case EffectKind::BrokenBlock:
+                    at_last_impact_ = std::max(at_last_impact_, e.value("last_impact"));
+                    break;
                 case EffectKind::IdsShuffled:
                     shuffled_ = std::max(shuffled_, e.value("share"));
                     break;
@@ -148,6 +151,12 @@ public:
 
     bool records(double speed) const { return speed >= least_speed_; }
     double factor() const { return factor_; }  ///< of speeds [-]
+    /// Where the block with this number in the campaign was recorded as found.
+    Vec3 found(const BlockResult& b, std::uint64_t seed, std::uint64_t number) const {
+        if (at_last_impact_ <= 0.0 || !std::isfinite(b.broke_at.x())) return b.stop;
+        return effect_stream(seed, EffectKind::BrokenBlock, 0, number).uniform() < at_last_impact_ ? b.broke_at
+                                                                                                   : b.stop;
+    }
     /// The error drawn for the speed comes on top of that of the measurement.
     void apply(KinematicValues& values, RandomStream& random) const {
         double& speed = values[static_cast<std::size_t>(Kinematic::Speed)];
@@ -169,11 +178,12 @@ public:
     }
 
 private:
-    double least_speed_ = 0.0;  ///< [m/s]
-    double factor_ = 1.0;       ///< of speeds [-]
-    double variance_ = 0.0;     ///< of speeds [m^2/s^2]
-    double datum_ = 0.0;        ///< added to heights [m]
-    double shuffled_ = 0.0;     ///< share of the blocks [-]
+    double least_speed_ = 0.0;     ///< [m/s]
+    double factor_ = 1.0;          ///< of speeds [-]
+    double variance_ = 0.0;        ///< of speeds [m^2/s^2]
+    double datum_ = 0.0;           ///< added to heights [m]
+    double at_last_impact_ = 0.0;  ///< share of the broken blocks [-]
+    double shuffled_ = 0.0;        ///< share of the blocks [-]
 };
 
 constexpr auto kRise = static_cast<std::size_t>(Kinematic::Rise);
@@ -265,7 +275,8 @@ ObservationTable measured_table(const Observations& observations, const Observat
     return table;
 }
 
-ObservationTable side_by_side(const ObservationTable& measured, std::int64_t thrown) {
+ObservationTable side_by_side(const ObservationTable& measured, std::int64_t thrown,
+                              std::span<const ObservedShare> shares) {
     // a row of the pool holds one record: a stop (and its zone), or what one screen saw
     const auto kind_of = [&](std::size_t column) {
         return measured.columns[column].quantity == Quantity::InZone ? -1 : measured.columns[column].place;
@@ -282,6 +293,9 @@ ObservationTable side_by_side(const ObservationTable& measured, std::int64_t thr
     }
     std::size_t rows = records.empty() ? 0 : static_cast<std::size_t>(std::max<std::int64_t>(thrown, 0));
     for (const auto& [kind, of_kind] : records) rows = std::max(rows, of_kind.size());
+    for (const ObservedShare& s : shares)
+        rows = std::max(
+            rows, static_cast<std::size_t>(s.thrown) - std::min(static_cast<std::size_t>(s.thrown), rows_known.size()));
     ObservationTable table{measured.columns, {}, {}};
     for (std::size_t k = 0; k < table.columns.size(); ++k) {
         std::vector<double>& values = table.values.emplace_back();
@@ -294,6 +308,15 @@ ObservationTable side_by_side(const ObservationTable& measured, std::int64_t thr
     }
     for (const std::size_t row : rows_known) table.block.push_back(measured.block[row]);
     table.block.resize(rows_known.size() + rows, -1);
+    std::size_t counted = 0;
+    for (const ObservedShare& s : shares) {
+        std::vector<double>& in_zone = table.values[table.find({Quantity::InZone, s.zone})];
+        if (std::any_of(in_zone.begin(), in_zone.end(), [](double v) { return std::isfinite(v); })) continue;
+        const auto first = in_zone.begin(), last = first + s.thrown;
+        std::fill(first, last, 0.0);
+        for (std::int64_t k = 0; k < s.count && counted < static_cast<std::size_t>(s.thrown); ++k)
+            *(first + static_cast<std::ptrdiff_t>(counted++)) = 1.0;
+    }
     return table;
 }
 
@@ -320,7 +343,7 @@ ObservationTable simulated_table(const CampaignResult& campaign, const Observati
         write.add(block);
         const double error = errors.of_stop(block, random);
         const double east = random.normal(), north = random.normal();
-        write.stop(b.stop.head<2>() + error * Vec2(east, north), b.reason == StopReason::AtRest);
+        write.stop(faults.found(b, seed, k).head<2>() + error * Vec2(east, north), b.reason == StopReason::AtRest);
 
         // of what would be recorded
         std::vector<std::optional<KinematicValues>> exact(op.screens.size());

@@ -122,8 +122,11 @@ void ResidualSpace::choose(const ObservationTable& measured, const ResidualSetti
     const auto of_impact = [&](const Column& c) {  // only what a screen saw is known not to have passed
         return c.place >= 0 && measured.find({Quantity::Passed, c.place}) == measured.columns.size();
     };
+    // where single stops are known, windows say what zones would
+    const bool zones = measured.find({Quantity::Along, -1}) == measured.columns.size();
     for (const Column& c : measured.columns) {
-        if (c.quantity == Quantity::Passed) wanted.push_back({ResidualKind::Passed, c, {}, kNaN, kNaN});
+        if (c.quantity == Quantity::Passed || (zones && c.quantity == Quantity::InZone))
+            wanted.push_back({ResidualKind::Passed, c, {}, kNaN, kNaN});
         if (is_level(c.quantity)) levels.push_back(c);
         if (c.quantity == Quantity::Speed) (of_impact(c) ? impacts : screens).push_back(c);
     }
@@ -349,7 +352,7 @@ ResidualRows ResidualSpace::raw(const ObservationTable& table, bool own) const {
 
 namespace {
 
-std::string column_words(const Column& c, std::span<const std::string> screens) {
+std::string column_words(const Column& c, std::span<const std::string> screens, std::span<const std::string> zones) {
     const bool named = c.place >= 0 && static_cast<std::size_t>(c.place) < screens.size();
     std::string words;
     switch (c.quantity) {
@@ -360,7 +363,9 @@ std::string column_words(const Column& c, std::span<const std::string> screens) 
         case Quantity::Runout:
             return "runout";
         case Quantity::InZone:
-            return "stops in a zone";
+            words = "share that stops in ";
+            return words += static_cast<std::size_t>(c.place) < zones.size() ? zones[static_cast<std::size_t>(c.place)]
+                                                                             : "a zone";
         case Quantity::Passed:
             words = "share that passes";
             if (named) words.append(" ").append(screens[static_cast<std::size_t>(c.place)]);
@@ -387,8 +392,8 @@ std::string column_words(const Column& c, std::span<const std::string> screens) 
 
 }  // namespace
 
-std::string residual_name(const Residual& r, std::span<const std::string> screens) {
-    const std::string what = column_words(r.column, screens);
+std::string residual_name(const Residual& r, std::span<const std::string> screens, std::span<const std::string> zones) {
+    const std::string what = column_words(r.column, screens, zones);
     switch (r.kind) {
         case ResidualKind::Passed:
         case ResidualKind::Level:
@@ -402,9 +407,9 @@ std::string residual_name(const Residual& r, std::span<const std::string> screen
         case ResidualKind::OrderTrend:
             return what + " with the order of the test";
         case ResidualKind::Together:
-            return what + " together with " + column_words(r.other, screens);
+            return what + " together with " + column_words(r.other, screens, zones);
         case ResidualKind::Innovation:
-            return what + " of blocks with like " + column_words(r.other, screens);
+            return what + " of blocks with like " + column_words(r.other, screens, zones);
         case ResidualKind::Window: {
             std::ostringstream s;
             s.precision(3);

@@ -91,6 +91,7 @@ TEST_F(ObservationReader, ReadsSharesAsCountsOrPercent) {
     EXPECT_EQ(o.shares[0].count, 1);
     EXPECT_EQ(o.shares[1].count, 2);
     EXPECT_EQ(o.shares[2].thrown, 50);
+    EXPECT_THAT(error(put("many.csv", "name,count,released\n1A,51,50\n")), HasSubstr("counts 51 blocks"));
     EXPECT_THAT(error(put("wrong.csv", "name,count,percent,released\n1A,10,2,50\n")),
                 HasSubstr("says 2 % but counts 10 of 50"));
 }

@@ -157,6 +157,23 @@ TEST(SideBySide, WhoPassedIsUnknownIfNobodyKnowsHowManyWereThrown) {
     for (const std::size_t row : {0U, 1U}) EXPECT_TRUE(std::isnan(cell(t, {Quantity::Passed, 0}, row)));
 }
 
+TEST(SideBySide, SharesOfZonesAreToldToTheFirstRows) {
+    Observations o = test_observations();
+    o.stops.clear();
+    o.shares = {{1, 0, 2, 5}};
+    const ObservationTable t = side_by_side(o, test_operator());
+    ASSERT_EQ(t.rows(), 5U) << "two of the five blocks are known";
+    EXPECT_EQ(t.block, (std::vector<std::int32_t>{0, 1, -1, -1, -1}));
+    double sum = 0.0;
+    for (std::size_t row = 0; row < 5; ++row) sum += cell(t, {Quantity::InZone, 0}, row);
+    EXPECT_EQ(sum, 2.0);
+    EXPECT_TRUE(std::isnan(cell(t, {Quantity::Passed, 0}, 2)));
+    o.crossings.clear();
+    o.blocks.clear();
+    o.matched = false;
+    EXPECT_EQ(side_by_side(o, test_operator()).rows(), 5U) << "nothing but shares";
+}
+
 TEST(SideBySide, RowsOfKnownBlocksStayAsTheyAre) {
     const ObservationTable measured = measured_table(test_observations(), test_operator()),
                            t = side_by_side(measured, 2);
@@ -213,6 +230,29 @@ TEST(SimulatedTable, MeasuresWrongAsEffectsSay) {
     EXPECT_EQ(cell(slow, speed, 0), 6.0);
     EXPECT_EQ(cell(slow, {Quantity::Passed, 0}, 1), 0.0);
     EXPECT_EQ(cell(seen(EffectKind::GroundDrag, "coefficient", 1.0), speed, 0), 6.0) << "no effect of measurements";
+}
+
+TEST(SimulatedTable, RecordsAShareOfTheBrokenBlocksWhereTheyBroke) {
+    CampaignResult campaign;
+    for (int k = 0; k < 2000; ++k) campaign.blocks.push_back(at_rest({40, 0}));
+    for (int k = 0; k < 1000; ++k) campaign.blocks[static_cast<std::size_t>(k)].broke_at = Vec3(15, 0, 5);
+    const auto recorded_there = [&](double share) {
+        Effect effect = make_effect(EffectKind::BrokenBlock);
+        effect.set("last_impact", share);
+        ObservationOperator op = test_operator();
+        op.effects = {effect};
+        const ObservationTable t = simulated_table(campaign, test_observations(), op, 1);
+        int there = 0;
+        for (std::size_t row = 0; row < t.rows(); ++row) {
+            const double along = cell(t, {Quantity::Along, -1}, row);
+            EXPECT_TRUE(row < 1000 || along == 40.0) << "it did not break";
+            there += along == 15.0;
+        }
+        return there;
+    };
+    EXPECT_EQ(recorded_there(0.0), 0);
+    EXPECT_EQ(recorded_there(1.0), 1000);
+    EXPECT_NEAR(recorded_there(0.3), 300, 4.0 * std::sqrt(1000 * 0.3 * 0.7));
 }
 
 TEST(SimulatedTable, SpreadsSpeedsByTheNoiseAndMixesNumbers) {

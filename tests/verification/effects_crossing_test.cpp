@@ -137,16 +137,20 @@ TYPED_TEST(EffectCrossing, FastImpactsBreakTheBlock) {
     EXPECT_NEAR(motion.segments()[1].velocity_start[kDim - 1], 0.5 * std::sqrt(2.0 * g * 4.0), 1e-3);
     EXPECT_NEAR(motion.segments()[1].velocity_start[0], 3.0, 1e-9);
     EXPECT_NEAR(motion.segments()[1].start, motion.segments()[0].duration, 1e-12);
+    EXPECT_NEAR(end.broke_at[0], 3.0 * fall, 1e-3);
+    EXPECT_NEAR(end.broke_at[kDim - 1], release.position[kDim - 1] - 4.0, 1e-3);
     // energy: what is left is at most the share of what there was
     EXPECT_LT(end.energy_end, 0.4 * end.energy_start);
 
     const auto slow = this->ball.run(this->ball.at(0.0, 1.5), 3.0);  // 5.4 m/s
     EXPECT_EQ(slow.counters.breaks, 0);
     EXPECT_EQ(slow.mass, 1000.0);
+    EXPECT_TRUE(std::isnan(slow.broke_at[0]));
     // bounces at 15 and 7.5 m/s break it twice, a third one at less than 6 does not
     const auto twice = this->ball.run(this->ball.at(0.0, 11.5), 8.0);
     EXPECT_EQ(twice.counters.breaks, 2);
     EXPECT_NEAR(twice.mass, 160.0, 1e-9);
+    EXPECT_NEAR(twice.broke_at[kDim - 1], end.broke_at[kDim - 1], 2e-3);
 }
 
 // ---- berms -------------------------------------------------------------------------------------------------------------------------

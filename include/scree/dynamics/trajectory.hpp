@@ -107,9 +107,11 @@ struct TrajectoryCounters {
 template <int Dim>
 struct TrajectoryEnd {
     StopReason reason = StopReason::Failed;
-    double time = 0.0;           ///< since release [s]
-    double mass = 0.0;           ///< of what arrived: less than at the start if the block broke [kg]
-    BlockState<Dim> state;       ///< at the end
+    double time = 0.0;      ///< since release [s]
+    double mass = 0.0;      ///< of what arrived: less than at the start if the block broke [kg]
+    BlockState<Dim> state;  ///< at the end
+    /// Where the block first broke, the place of its last impact as a whole; NaN if it did not [m].
+    typename Space<Dim>::Vec broke_at = Space<Dim>::Vec::Constant(kNaN);
     double energy_start = kNaN;  ///< kinetic plus potential, height 0 of the local frame [J]
     double energy_end = kNaN;    ///< [J]
     TrajectoryCounters counters;

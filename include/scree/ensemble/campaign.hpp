@@ -82,21 +82,22 @@ struct HardProblem {
 struct BlockResult {
     bool done = false;  ///< false if the campaign was stopped before its turn
     StopReason reason = StopReason::Failed;
-    std::int64_t row = -1;        ///< row of the block list, -1 if none [-]
-    std::int64_t feature = 0;     ///< release feature [-]
-    double mass = 0.0;            ///< [kg]
-    double mass_left = 0.0;       ///< at the end: less if the block broke [kg]
-    Vec3 size = Vec3::Zero();     ///< L1, L2, L3 [m]
-    Vec3 release = Vec3::Zero();  ///< centre of mass at the start [m]
-    double raised = 0.0;          ///< how far the block was lifted to start free of the ground [m]
-    Vec3 stop = Vec3::Zero();     ///< centre of mass at the end [m]
-    double time = 0.0;            ///< [s]
-    double path_length = 0.0;     ///< length of the path in space [m]
-    double largest_speed = 0.0;   ///< [m/s]
-    double largest_energy = 0.0;  ///< kinetic [J]
-    std::int32_t profile = -1;    ///< 2D: index of the profile on which it moved
-    double release_s = kNaN;      ///< 2D: chainage at the start [m]
-    double stop_s = kNaN;         ///< 2D: chainage at the end [m]
+    std::int64_t row = -1;                 ///< row of the block list, -1 if none [-]
+    std::int64_t feature = 0;              ///< release feature [-]
+    double mass = 0.0;                     ///< [kg]
+    double mass_left = 0.0;                ///< at the end: less if the block broke [kg]
+    Vec3 size = Vec3::Zero();              ///< L1, L2, L3 [m]
+    Vec3 release = Vec3::Zero();           ///< centre of mass at the start [m]
+    double raised = 0.0;                   ///< how far the block was lifted to start free of the ground [m]
+    Vec3 stop = Vec3::Zero();              ///< centre of mass at the end [m]
+    Vec3 broke_at = Vec3::Constant(kNaN);  ///< centre of mass where the block first broke; NaN if it did not [m]
+    double time = 0.0;                     ///< [s]
+    double path_length = 0.0;              ///< length of the path in space [m]
+    double largest_speed = 0.0;            ///< [m/s]
+    double largest_energy = 0.0;           ///< kinetic [J]
+    std::int32_t profile = -1;             ///< 2D: index of the profile on which it moved
+    double release_s = kNaN;               ///< 2D: chainage at the start [m]
+    double stop_s = kNaN;                  ///< 2D: chainage at the end [m]
 };
 
 /// A profile on which blocks move in 2D.

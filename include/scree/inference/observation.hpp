@@ -84,8 +84,7 @@ struct ObservationOperator {
     std::vector<std::int32_t> screen_of;                      ///< screen (above) of each CampaignInput::screens [-]
     std::vector<std::string> zones;                           ///< names, each once
     std::vector<std::pair<std::int32_t, Region>> zone_areas;  ///< zone (above) and an area of it
-    /// Measurement effects (effects.hpp): how this test may have measured wrong. Others are left alone, and so is broken_block: where a broken block was
-    /// struck last is not known of a simulated one.
+    /// Measurement effects (effects.hpp): how this test may have measured wrong. Others are left alone.
     std::vector<Effect> effects;
     double least_speed = 0.0;         ///< slower passages were not seen by the camera: they count as not passed [m/s]
     double runout_limit = kInfinity;  ///< stops beyond this chainage were recorded there, where the survey ended [m]
@@ -133,8 +132,13 @@ ObservationTable measured_table(const Observations& observations, const Observat
 
 /// A pool as rows that stand for blocks: nobody knows which records are of one block, so stops and what each screen saw are put side by side, in as many
 /// rows as blocks were thrown; a row without a record of a screen has not passed it (unless nobody knows how many were thrown, 0: nothing then says who
-/// passed). Right for means, shares and the counts behind them; what one row says of two records means nothing. Rows of known blocks stay as they are.
-ObservationTable side_by_side(const ObservationTable& measured, std::int64_t thrown);
+/// passed). Right for means, shares and the counts behind them; what one row says of two records means nothing. Rows of known blocks stay as they are, but
+/// that shares of zones that nothing else is known of are told to the first rows, one block each: nobody knows which blocks were counted.
+ObservationTable side_by_side(const ObservationTable& measured, std::int64_t thrown,
+                              std::span<const ObservedShare> shares = {});
+inline ObservationTable side_by_side(const Observations& observations, const ObservationOperator& op) {
+    return side_by_side(measured_table(observations, op), observations.thrown, observations.shares);
+}
 
 /// The same view of a campaign: one row per block that did not fail, in order. Stops of blocks that left the terrain or ran out of time
 /// count where they were last seen. Adds the errors of the measurements, drawn with Philox streams of (seed, block): those of the same block

@@ -19,7 +19,7 @@ namespace scree {
 /// among the repeats of its own block, u in [0, 1) (distance.hpp), and that a standardised level sqrt(12) (u - 1/2) and spread sqrt(180) ((u - 1/2)^2 - 1/12).
 
 enum class ResidualKind {
-    Passed,      ///< passed the screen: 0 or 1 less the share of the block's repeats that did
+    Passed,  ///< passed the screen, or stopped in the deposit zone: 0 or 1 less the share of the block's repeats that did
     Level,       ///< the value is high (positive) or low for this block
     Spread,      ///< it lies far from the middle (positive), or near it
     MassTrend,   ///< level times the standardised logarithm of the mass: heavy blocks are high (positive)
@@ -104,7 +104,8 @@ private:
     ResidualRows own_;
 };
 
-/// "speed at ES2 is high", for people: needs the names of screens.
-std::string residual_name(const Residual& residual, std::span<const std::string> screens);
+/// "speed at ES2", for people: needs the names of screens and deposit zones.
+std::string residual_name(const Residual& residual, std::span<const std::string> screens,
+                          std::span<const std::string> zones = {});
 
 }  // namespace scree

@@ -115,8 +115,9 @@ constexpr P kScreenShift[] = {{"shift", "m", 2.0, -100.0, 100.0, 0.0,
 constexpr P kSlowMissed[] = {
     {"least_speed", "m/s", 2.0, 0.0, 50.0, 0.0, "Slower passages were not recorded.", kChoice}};
 constexpr P kBroken[] = {
-    {"last_impact", "-", 1.0, 0.0, 1.0, kNo,
-     "Recorded for a broken block: 1 the place of the last impact before it broke, 0 that of the largest piece.",
+    {"last_impact", "-", 1.0, 0.0, 1.0, 0.0,
+     "Share of the broken blocks that are recorded where they were last struck as a whole, the others at their largest "
+     "piece.",
      "Bourrier & Acary 2022 record either"}};
 constexpr P kShuffled[] = {
     {"share", "-", 1.0, 0.0, 1.0, 0.0, "Share of the block numbers that were mixed up.", kChoice}};
@@ -231,8 +232,8 @@ constexpr EffectInfo kCatalogue[] = {
     {K::SlowMissed, "slow_missed", "the camera misses slow blocks", H::Measurement, kAnywhere,
      "a passage with v < least_speed is not recorded", "measurement model", "few slow passages", "", kSlowMissed},
     {K::BrokenBlock, "broken_block", "what is recorded of a broken block", H::Measurement, kAnywhere,
-     "the stop of a broken block is the place of its last whole impact, or that of its largest piece",
-     "Bourrier & Acary 2022", "stops on steep ground", "", kBroken},
+     "the stop of a share of the broken blocks is the place of their last whole impact", "Bourrier & Acary 2022",
+     "stops on steep ground", "Blocks must break in the model: with fragmentation.", kBroken},
     {K::IdsShuffled, "ids_shuffled", "block numbers are mixed up", H::Measurement, kAnywhere,
      "the numbers of a share of the blocks are permuted evenly", "measurement model",
      "no correlation with mass where there should be one", "", kShuffled},
