@@ -378,14 +378,28 @@ std::optional<double> removable_gap_closed(const DiagnoseStudy& study, const Ans
     return (without.loss - with.loss) / (without.loss - with.floor);
 }
 
-void run_study(const DiagnoseInput& input, DiagnoseStudy& study) {
-    study.audit = input.observed.findings;
+/// Standard deviation of the measured stops to the sides of the axis [m].
+static double spread_beside(const ObservedSite& observed) {
+    std::vector<double> beside;
+    for (const ObservedStop& s : observed.observations.stops)
+        if (std::isfinite(s.position.x())) beside.push_back(observed.op.axis.place(s.position.head<2>()).lateral);
+    const Eigen::Map<const Eigen::ArrayXd> all(beside.data(), std::ssize(beside));
+    return beside.size() < 2 ? kNaN : std::sqrt((all - all.mean()).square().mean());
+}
+
+static void set_test(const DiagnoseInput& input, DiagnoseStudy& study) {
     study.blocks = measured_blocks(input.observed.observations);
     study.screens = input.observed.op.screens;
     study.zones = input.observed.op.zones;
     study.impacts = input.observed.op.impacts;
     study.screen_of = input.observed.op.screen_of;
     study.in_plane = input.model.in_plane();
+    study.beside = spread_beside(input.observed);
+}
+
+void run_study(const DiagnoseInput& input, DiagnoseStudy& study) {
+    study.audit = input.observed.findings;
+    set_test(input, study);
     if (input.observed.has_errors()) {
         study.verdict = Verdict::DataProblem;
         return;
@@ -395,12 +409,7 @@ void run_study(const DiagnoseInput& input, DiagnoseStudy& study) {
 
 void plan_study(const DiagnoseInput& input, DiagnoseStudy& study) {
     study.planning = true;
-    study.blocks = measured_blocks(input.observed.observations);
-    study.screens = input.observed.op.screens;
-    study.zones = input.observed.op.zones;
-    study.impacts = input.observed.op.impacts;
-    study.screen_of = input.observed.op.screen_of;
-    study.in_plane = input.model.in_plane();
+    set_test(input, study);
     Runner(input, study).plan_test();
 }
 

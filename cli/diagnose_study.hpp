@@ -63,6 +63,7 @@ struct DiagnoseStudy {
     std::size_t blocks = 0;           ///< measured [-]
     bool planning = false;            ///< nothing was measured yet
     bool in_plane = false;
+    double beside = kNaN;  ///< standard deviation of the measured stops to the sides of the axis [m]
 
     CalibratedModel baseline;
     CompareStudy before;  ///< the calibrated model

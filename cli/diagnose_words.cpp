@@ -3,6 +3,7 @@
 
 #include "cli/diagnose_further.hpp"
 #include "cli/text.hpp"
+#include "scree/inference/distance.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -16,6 +17,8 @@ constexpr std::size_t kMostSentences = 8;
 constexpr double kWorthSaying = 0.05;  // least weight of an effect that is said where none is an answer [-]
 constexpr double kInRange = 0.03;      // estimates nearer to an end of their range lie on its edge [-]
 
+/// Less is the way blocks roll, not a third dimension [m].
+constexpr double kWorthTelling = 0.5;
 /// 97.5 % quantile of the normal distribution [-].
 constexpr double kNinetyFive = 1.959964;
 
@@ -227,6 +230,29 @@ std::vector<std::string> where_sentences(const DiagnoseStudy& study) {
     return sentences;
 }
 
+/// Where else an effect may be expected. A place is one; a law holds as far as it was seen.
+static std::string transfer(const DiagnoseStudy& study, const AnsweredEffect& e) {
+    if (e.candidate->measurement)
+        return e.candidate->name + " is a matter of this test: it says nothing of other slopes";
+    if (e.variant.on)
+        return e.candidate->name +
+               " belongs to that place: elsewhere look for its cause on the ground, and keep it out "
+               "of the model where there is none";
+    double lightest = kInfinity, heaviest = 0.0;
+    std::vector<double> speeds;
+    for (const BlockResult& b : study.campaign.blocks) {
+        lightest = std::min(lightest, b.mass);
+        heaviest = std::max(heaviest, b.mass);
+        speeds.push_back(b.largest_speed);
+    }
+    if (speeds.empty()) return e.candidate->name + " holds for this slope and these blocks";
+    std::sort(speeds.begin(), speeds.end());
+    return e.candidate->name + " as a law was seen with blocks of " + short_number(lightest) + " to " +
+           short_number(heaviest) + " kg at up to " + short_number(sample_quantile(speeds, 0.95)) + " m/s" +
+           (e.variant.soil.empty() ? "" : " on " + e.variant.soil) +
+           ": it may be carried to ground like this; beyond these masses and speeds it is a guess";
+}
+
 std::vector<std::string> diagnose_remarks(const DiagnoseStudy& study) {
     std::vector<std::string> remarks;
     const auto& parameters = study.keys.problem.parameters;
@@ -252,13 +278,19 @@ std::vector<std::string> diagnose_remarks(const DiagnoseStudy& study) {
         for (const AnswerFit& a : study.answers)
             for (const AnsweredEffect& e : a.effects)
                 remarks.push_back(e.candidate->name + " would show in " + effect_info(e.variant.kind).seen_in);
-    if (study.in_plane && (study.verdict == Verdict::Named || study.verdict == Verdict::Group))
+    if (study.in_plane && !study.planning && study.verdict != Verdict::None)
         remarks.push_back(
-            "the model is 2D: what blocks do sideways can look like an effect; confirm with model.dimension = 3");
+            "the model is 2D: what blocks do sideways can look like an effect; confirm with "
+            "model.dimension = 3" +
+            (study.beside > kWorthTelling ? " (the stops lie " + short_number(study.beside) +
+                                                " m to the sides of the axis, in standard deviations)"
+                                          : std::string()));
     if (study.verdict == Verdict::Named)
         remarks.push_back("the name is the best of " + std::to_string(study.catalogue.candidates.size()) +
-                          " that were searched; it holds for this slope and these blocks, and its strength for ground "
-                          "like this");
+                          " that were searched");
+    if (study.verdict == Verdict::Named || study.verdict == Verdict::Group)
+        for (const AnswerFit& a : study.answers)
+            for (const AnsweredEffect& e : a.effects) remarks.push_back(transfer(study, e));
     return remarks;
 }
 

@@ -34,6 +34,7 @@ Diagnosis plan(double first, double second, double cosine) {
     for (std::size_t e = 0; e < 2; ++e) {
         EffectFinding& f = d.findings.emplace_back();
         f.effect = e;
+        f.visible = true;
         f.visibility = e == 0 ? first : second;
         f.smallest_seen = (d.test.z_limit + 0.8416) / f.visibility;
     }

@@ -83,6 +83,7 @@ TEST(Diagnose, NamesAFaultOfTheMeasurementAndWritesAllOfIt) {
     ASSERT_EQ(run.code, 0) << run.err;
     EXPECT_THAT(run.out, HasSubstr("=> DATA PROBLEM: speed_error"));
     EXPECT_THAT(run.out, HasSubstr("speed at ES1-A is larger than simulated"));
+    EXPECT_THAT(run.out, HasSubstr("confirm with model.dimension = 3"));
     const json j = json::parse(text_of(out / "diagnosis.json"));
     EXPECT_EQ(j.at("verdict"), "DATA PROBLEM");
     ASSERT_EQ(j.at("answer").size(), 1U);

@@ -383,6 +383,10 @@ TEST(Diagnosis, PlanningSaysWhatWouldBeSeen) {
         problem, like, quick(1), [&](const DiagnosisTask& t) { return std::optional(throw_blocks(blocks, t)); }, {});
     EXPECT_EQ(plan.verdict, Verdict::None);
     for (const EffectFinding& f : plan.findings) {
+        if (std::isfinite(f.smallest_seen)) {
+            EXPECT_EQ(f.variant, f.seen_variant) << "shown in the form that is seen best";
+            EXPECT_EQ(f.on, f.seen_on);
+        }
         if (f.effect != kMassTrend) continue;
         EXPECT_GT(f.visibility, 1.5);
         // 80 % of the tests with that strength reject
