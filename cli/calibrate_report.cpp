@@ -222,6 +222,16 @@ std::string calibrated_toml(const CalibrationReport& r, const fs::path& to) {
     return text.str();
 }
 
+Json places_json(const CalibrationResult& result) {
+    Json json = Json::array();
+    for (const CalibrationPlace& p : result.places)
+        json.push_back({{"place", p.name},
+                        {"fit", fit_json(p.best)},
+                        {"blocks_held_out", fit_json(p.held_out)},
+                        {"left_out", fit_json(p.test)}});
+    return json;
+}
+
 std::string calibrate_json(const CalibrationReport& r) {
     const CalibrationResult& result = r.result;
     Json json;
@@ -285,6 +295,7 @@ std::string calibrate_json(const CalibrationReport& r) {
                                      {"test", fit_json(f.test)},
                                      {"before", fit_json(f.start_test)}});
     }
+    if (!result.places.empty()) json["places"] = places_json(result);
     json["gaps_before"] = study_json(r.before_study);
     json["gaps_calibrated"] = study_json(r.after_study);
     json["remarks"] = calibration_remarks(r);
@@ -338,7 +349,13 @@ std::string calibrate_html(const CalibrationReport& r, const std::vector<Figure>
                         score_text(r.result.folds[f].start_test), score_text(r.result.folds[f].test)});
     if (!r.result.folds.empty())
         rows.push_back({"all folds", score_text(r.result.held_out_start), score_text(r.result.held_out)});
-    html << html_table({"score, minimised", "before", "calibrated"}, rows) << kHow;
+    html << html_table({"score, minimised", "before", "calibrated"}, rows);
+    rows.clear();
+    for (const CalibrationPlace& p : r.result.places)
+        rows.push_back({p.name, score_text(p.best), score_text(p.held_out), score_text(p.test)});
+    if (!rows.empty())
+        html << html_table({"of that, at", "calibrated", "blocks held out", "the whole place left out"}, rows);
+    html << kHow;
     for (const Figure& f : figures) html << "<h2>" << escaped(f.title) << "</h2>\n" << html_figure(f);
     html << "<h2>Measured and simulated, calibrated</h2>\n" << gaps_table(r);
     for (const Figure& f : compared) html << html_figure(f);

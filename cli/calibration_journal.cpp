@@ -22,6 +22,8 @@ std::string line_of(const CalibrationEvaluation& e) {
     json["repeats"] = e.task.repeats;
     json["loss"] = e.result.loss;
     json["floor"] = e.result.floor;
+    json["loss_at"] = e.result.loss_at;
+    json["floor_at"] = e.result.floor_at;
     return json.dump();
 }
 
@@ -36,6 +38,8 @@ CalibrationEvaluation evaluation_of(const Json& json) {
     json.at("repeats").get_to(e.task.repeats);
     json.at("loss").get_to(e.result.loss);
     json.at("floor").get_to(e.result.floor);
+    json.at("loss_at").get_to(e.result.loss_at);
+    json.at("floor_at").get_to(e.result.floor_at);
     return e;
 }
 

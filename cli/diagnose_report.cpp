@@ -117,6 +117,24 @@ std::string extended_toml(const DiagnoseStudy& study, const fs::path& to) {
 
 namespace {
 
+/// What the rest of the test says of every place, and of blocks that it was not told of.
+std::string places_html(const DiagnoseStudy& study, const AnswerFit& a) {
+    const std::vector<CalibrationPlace>&before = study.baseline.result.places, &with = a.model.result.places;
+    if (before.empty() || before.size() != with.size()) return "";
+    std::vector<std::vector<std::string>> rows;
+    for (std::size_t k = 0; k < before.size(); ++k) {
+        const CalibrationPlace &b = before[k], &w = with[k];
+        rows.push_back({b.name, gap_number(b.best.gap()), gap_number(w.best.gap()), gap_number(b.held_out.gap()),
+                        gap_number(w.held_out.gap()), gap_number(b.test.gap()), gap_number(w.test.gap())});
+    }
+    return "<p>Gap of what is fitted, by where it was measured: of all blocks, of blocks held out, and of the whole "
+           "place "
+           "left out of the calibration.</p>\n" +
+           html_table({"at", "all blocks, calibrated", "extended", "held out, calibrated", "extended",
+                       "left out, calibrated", "extended"},
+                      rows);
+}
+
 std::string gaps_html(const DiagnoseStudy& study, const AnswerFit& a) {
     std::vector<std::vector<std::string>> rows;
     for (std::size_t k = 0; k < study.before.observables.size() && k < a.study.observables.size(); ++k) {
@@ -128,7 +146,7 @@ std::string gaps_html(const DiagnoseStudy& study, const AnswerFit& a) {
                     chance_text(study.before.overall)});
     if (!study.baseline.result.folds.empty())
         rows.push_back({"held out, what was fitted", held_out_text(study.baseline), held_out_text(a.model), ""});
-    return html_table({"gap", "calibrated", "with " + a.name(), "chance"}, rows);
+    return html_table({"gap", "calibrated", "with " + a.name(), "chance"}, rows) + places_html(study, a);
 }
 
 std::string consequences_html(const DiagnoseStudy& study) {

@@ -245,6 +245,7 @@ private:
         }
         const CalibrationLoss loss(GapFunction(in_.observed.observations, in_.observed.op));
         problem.records = loss.records();
+        problem.places = loss.places();
         std::error_code ignored;
         std::filesystem::create_directories(in_.store.folder(), ignored);
         const auto file = in_.store.file(name + ".jsonl");

@@ -271,6 +271,11 @@ std::vector<std::string> diagnose_remarks(const DiagnoseStudy& study) {
         if (!study.baseline.result.folds.empty() &&
             !(a.model.result.held_out.loss < study.baseline.result.held_out.loss))
             remarks.push_back("the prediction of blocks held out does not improve with " + a.name());
+        for (std::size_t k = 0; k < a.model.result.places.size() && k < study.baseline.result.places.size(); ++k) {
+            const CalibrationPlace &with = a.model.result.places[k], &without = study.baseline.result.places[k];
+            if (!(with.test.loss < without.test.loss))
+                remarks.push_back("the rest of the test predicts " + with.name + " no better with " + a.name());
+        }
         if (a.study.overall.beyond_chance())
             remarks.push_back("with " + a.name() + " the model is still beyond chance as a whole");
     }

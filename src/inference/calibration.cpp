@@ -39,7 +39,8 @@ std::size_t positive(std::int64_t n) {
 /// Everything that `settings` leave open, decided.
 struct Plan {
     std::vector<std::vector<std::size_t>> levels;  ///< every combination of choices
-    std::size_t dimension = 0, screening = 0, starts = 0, population = 0, generations = 0, surroundings = 0, folds = 0;
+    std::size_t dimension = 0, screening = 0, starts = 0, population = 0, generations = 0, surroundings = 0, folds = 0,
+                places = 0;
 
     Plan(const CalibrationProblem& problem, const CalibrationSettings& s) : dimension(problem.parameters.size()) {
         levels.emplace_back();
@@ -53,6 +54,7 @@ struct Plan {
             levels = std::move(more);
         }
         folds = s.folds < 2 || dimension == 0 ? 0 : std::min(positive(s.folds), problem.records);
+        places = folds == 0 || problem.places.size() < 2 ? 0 : problem.places.size();
         starts = 1;
         if (dimension == 0) return;
         screening = s.screening > 0 ? positive(s.screening) : std::max<std::size_t>(8, 4 * dimension);
@@ -68,7 +70,7 @@ struct Plan {
     std::size_t total() const {
         return levels.size() *
                    (screening + starts * (population * generations + (dimension > 0 ? 3 : 1) * kRaceSeeds)) +
-               surroundings + (dimension > 0 ? 3 + kSeen : 2) + folds * (1 + kSeen);
+               surroundings + (dimension > 0 ? 3 + kSeen : 2) + (folds + places) * (1 + kSeen);
     }
 };
 
@@ -139,6 +141,7 @@ private:
             if (!result) throw Stopped{};
             SCREE_ASSERT(result->loss.size() == result->floor.size());
             SCREE_ASSERT(result->loss.empty() || result->loss.size() == problem_.records);
+            SCREE_ASSERT(result->loss.empty() || result->loss_at.size() == problem_.places.size());
             journal_.push_back({task, std::move(*result)});
         }
         const SimulatedLoss& loss = journal_[done_++].result;
@@ -296,10 +299,10 @@ private:
 
     struct Looked {
         std::vector<Eigen::VectorXd> points;
-        std::vector<std::vector<double>> losses;
+        std::vector<std::size_t> evaluations;  ///< in the journal
         void drop(std::size_t first) {
             points.erase(points.begin(), points.begin() + static_cast<std::ptrdiff_t>(first));
-            losses.erase(losses.begin(), losses.begin() + static_cast<std::ptrdiff_t>(first));
+            evaluations.erase(evaluations.begin(), evaluations.begin() + static_cast<std::ptrdiff_t>(first));
         }
     };
 
@@ -312,7 +315,7 @@ private:
                 !std::isfinite(fit_of(e.result, {}).loss))
                 continue;
             seen.points.push_back(unit_point(e.task.point));
-            seen.losses.push_back(e.result.loss);
+            seen.evaluations.push_back(k);
         }
         return seen;
     }
@@ -320,19 +323,19 @@ private:
     void look_around() {
         const Eigen::VectorXd half = Eigen::VectorXd::Constant(static_cast<Eigen::Index>(plan_.dimension), kFirstHalf);
         UnitBox box = box_around(unit_point(result_.best), half);
-        Looked looked = seen_in_search();
+        looked_ = seen_in_search();
         std::size_t own = 0;
         for (std::size_t round = 0; round < kSurroundingRounds; ++round) {
             const std::size_t first = round * plan_.surroundings / kSurroundingRounds,
                               last = (round + 1) * plan_.surroundings / kSurroundingRounds;
-            const std::size_t before = looked.points.size();
-            look_into(box, last - first, first, looked);
+            const std::size_t before = looked_.points.size();
+            look_into(box, last - first, first);
             if (round == 0)
                 own =
                     before;  // what the search saw helps to choose the box; its noise is not independent from point to point
             else
-                looked.drop(own);
-            fit_ = fit_of_all(box, looked);
+                looked_.drop(own);
+            fit_ = fit_of_looked(box, [](const SimulatedLoss& all) { return all.loss; });
             spread_ = spread_of_minimum(*fit_, box, problem_.records, s_.draws, stream(kDraws));
             box_ = box;
             if (round + 1 < kSurroundingRounds) box = closer_box(spread_, box);
@@ -341,7 +344,7 @@ private:
         describe();
     }
 
-    void look_into(const UnitBox& box, std::size_t count, std::size_t first, Looked& looked) {
+    void look_into(const UnitBox& box, std::size_t count, std::size_t first) {
         RandomStream random = stream(kDesign + kMany * (1 + first));
         std::size_t number = first;
         for (const Eigen::VectorXd& u : latin_hypercube(plan_.dimension, count, random)) {
@@ -349,22 +352,25 @@ private:
             const SimulatedLoss& result = evaluate(CalibrationStage::Surroundings, point_at(point, result_.best.levels),
                                                    seed(kSurroundingStreams + number++), s_.repeats);
             if (!std::isfinite(fit_of(result, {}).loss)) continue;
-            looked.points.push_back(point);
-            looked.losses.push_back(result.loss);
+            looked_.points.push_back(point);
+            looked_.evaluations.push_back(done_ - 1);
         }
     }
 
-    QuadraticFit fit_of_all(const UnitBox& box, const Looked& looked) const {
-        if (looked.points.size() < QuadraticFit::coefficients(plan_.dimension) + 2)
+    template <class Losses>
+    QuadraticFit fit_of_looked(const UnitBox& box, const Losses& losses_of) const {
+        if (looked_.points.size() < QuadraticFit::coefficients(plan_.dimension) + 2)
             throw InputError(
                 "too few simulations around the best point could be held against the measurements: narrow the ranges "
                 "of the free parameters");
-        Eigen::MatrixXd losses(static_cast<Eigen::Index>(looked.points.size()),
+        Eigen::MatrixXd losses(static_cast<Eigen::Index>(looked_.points.size()),
                                static_cast<Eigen::Index>(problem_.records));
-        for (std::size_t k = 0; k < looked.points.size(); ++k)
-            losses.row(static_cast<Eigen::Index>(k)) = Eigen::Map<const Eigen::RowVectorXd>(
-                looked.losses[k].data(), static_cast<Eigen::Index>(problem_.records));
-        return {looked.points, losses, box};
+        for (std::size_t k = 0; k < looked_.points.size(); ++k) {
+            const std::vector<double> of_point = losses_of(journal_[looked_.evaluations[k]].result);
+            losses.row(static_cast<Eigen::Index>(k)) =
+                Eigen::Map<const Eigen::RowVectorXd>(of_point.data(), static_cast<Eigen::Index>(problem_.records));
+        }
+        return {looked_.points, losses, box};
     }
 
     void describe() {
@@ -446,14 +452,15 @@ private:
         }
     }
 
-    /// What was simulated and suits the records with 1, or all, best.
-    std::vector<CalibrationPoint> best_simulated(const std::vector<char>& records) const {
+    /// What was simulated and has the least loss.
+    template <class Loss>
+    std::vector<CalibrationPoint> best_simulated(const Loss& loss_of) const {
         std::vector<CalibrationPoint> points;
         std::vector<std::pair<double, std::size_t>> ranked;
         for (std::size_t k = 0; k < done_; ++k)
             if (journal_[k].task.stage <= CalibrationStage::Surroundings &&
                 journal_[k].task.point.levels == result_.best.levels)
-                ranked.emplace_back(fit_of(journal_[k].result, records).loss, k);
+                ranked.emplace_back(loss_of(journal_[k].result), k);
         std::sort(ranked.begin(), ranked.end());
         for (const auto& [loss, k] : ranked) {
             const CalibrationPoint& point = journal_[k].task.point;
@@ -463,39 +470,65 @@ private:
         return points;
     }
 
-    /// Where a calibration that knows only the records with 1 may end. Around an answer at the edge of what the model can do, a quadratic leads astray:
-    /// what was simulated competes with its minimum.
-    std::vector<CalibrationPoint> candidates_for(const std::vector<char>& records) const {
-        std::vector<CalibrationPoint> points = best_simulated(records);
-        points.insert(points.begin(), point_at(minimum_for(*fit_, box_, records), result_.best.levels));
-        return points;
+    /// Of what is known of a place, or of all others.
+    static SimulatedLoss at_place(const SimulatedLoss& all, std::size_t place) {
+        return all.loss.empty() ? SimulatedLoss{} : SimulatedLoss{all.loss_at[place], all.floor_at[place]};
+    }
+    static SimulatedLoss elsewhere(const SimulatedLoss& all, std::size_t place) {
+        SimulatedLoss rest{all.loss, all.floor};
+        for (std::size_t k = 0; k < rest.loss.size(); ++k) {
+            rest.loss[k] -= all.loss_at[place][k];
+            rest.floor[k] -= all.floor_at[place][k];
+        }
+        return rest;
+    }
+
+    const SimulatedLoss& judged(const CalibrationPoint& point) {
+        return evaluate(CalibrationStage::Judgement, point, seed(kJudgement), s_.final_repeats);
     }
 
     void judge() {
-        const auto look = [&](const CalibrationPoint& point) -> const SimulatedLoss& {
-            return evaluate(CalibrationStage::Judgement, point, seed(kJudgement), s_.final_repeats);
-        };
-        const SimulatedLoss start = look(result_.start);
-        SimulatedLoss best = look(result_.best);
+        const SimulatedLoss start = judged(result_.start);
+        SimulatedLoss best = judged(result_.best);
         result_.start_fit = fit_of(start, {});
         result_.best_fit = fit_of(best, {});
         if (plan_.dimension > 0) {
-            std::vector<CalibrationPoint> rivals = best_simulated({});
+            std::vector<CalibrationPoint> rivals =
+                best_simulated([](const SimulatedLoss& all) { return fit_of(all, {}).loss; });
             rivals.push_back(result_.searches.front().end);
-            for (const CalibrationPoint& rival : rivals) keep_the_better(best, rival, look(rival));
+            for (const CalibrationPoint& rival : rivals) keep_the_better(best, rival, judged(rival));
         }
-        if (plan_.folds == 0) return;
+        for (std::size_t p = 0; p < plan_.places; ++p)
+            result_.places.push_back({problem_.places[p], {}, {}, {}, fit_of(at_place(best, p), {}), {0.0, 0.0}});
+        if (plan_.folds > 0) hold_blocks_out(start);
+        for (std::size_t p = 0; p < plan_.places; ++p) leave_out(p);
+    }
 
+    /// The best of what a calibration that knows less may end at, by what it knows: where its quadratic leads, and what was simulated, for around an answer
+    /// at the edge of what the model can do a quadratic leads astray. The points are simulated anew; `take` gets each that is better than those before.
+    template <class Known, class Take>
+    void calibrate_by(const QuadraticFit& fit, const std::vector<char>& records, const Known& known, const Take& take) {
+        std::vector<CalibrationPoint> points =
+            best_simulated([&](const SimulatedLoss& all) { return known(all).loss; });
+        points.insert(points.begin(), point_at(minimum_for(fit, box_, records), result_.best.levels));
+        double least = kInfinity;
+        bool first = true;
+        for (const CalibrationPoint& point : points) {
+            const SimulatedLoss& result = judged(point);
+            const CalibrationFit training = known(result);
+            if (!first && !(training.loss < least)) continue;
+            first = false;
+            least = training.loss;
+            take(point, training, result);
+        }
+    }
+
+    void hold_blocks_out(const SimulatedLoss& start) {
         std::vector<std::size_t> shuffled(problem_.records);
         std::iota(shuffled.begin(), shuffled.end(), std::size_t{0});
         RandomStream random = stream(kFolds);
         for (std::size_t k = shuffled.size(); k > 1; --k) std::swap(shuffled[k - 1], shuffled[random.below(k)]);
-        CalibrationFit all{0.0, 0.0}, all_start{0.0, 0.0};
-        const auto add = [&](CalibrationFit& sum, const CalibrationFit& fit, std::size_t records) {
-            const double share = static_cast<double>(records) / static_cast<double>(problem_.records);
-            sum.loss += share * fit.loss;
-            sum.floor += share * fit.floor;
-        };
+        result_.held_out = result_.held_out_start = {0.0, 0.0};
         for (std::size_t f = 0; f < plan_.folds; ++f) {
             CalibrationFold fold;
             std::vector<char> training(problem_.records, 1), test(problem_.records, 0);
@@ -505,22 +538,40 @@ private:
                 test[shuffled[k]] = 1;
             }
             std::sort(fold.held_out.begin(), fold.held_out.end());
-            fold.training.loss = kInfinity;
-            for (const CalibrationPoint& point : candidates_for(training)) {
-                const SimulatedLoss& result = look(point);
-                const CalibrationFit fit = fit_of(result, training);
-                if (!(fit.loss < fold.training.loss) && fold.point.values.size() > 0) continue;
-                fold.point = point;
-                fold.training = fit;
-                fold.test = fit_of(result, test);
-            }
+            std::vector<CalibrationFit> at_places(plan_.places);
+            calibrate_by(
+                *fit_, training, [&](const SimulatedLoss& all) { return fit_of(all, training); },
+                [&](const CalibrationPoint& point, const CalibrationFit& known, const SimulatedLoss& result) {
+                    fold.point = point;
+                    fold.training = known;
+                    fold.test = fit_of(result, test);
+                    for (std::size_t p = 0; p < at_places.size(); ++p) at_places[p] = fit_of(at_place(result, p), test);
+                });
             fold.start_test = fit_of(start, test);
-            add(all, fold.test, fold.held_out.size());
-            add(all_start, fold.start_test, fold.held_out.size());
+            const double share = static_cast<double>(fold.held_out.size()) / static_cast<double>(problem_.records);
+            const auto add = [&](CalibrationFit& sum, const CalibrationFit& fit) {
+                sum.loss += share * fit.loss;
+                sum.floor += share * fit.floor;
+            };
+            add(result_.held_out, fold.test);
+            add(result_.held_out_start, fold.start_test);
+            for (std::size_t p = 0; p < at_places.size(); ++p) add(result_.places[p].held_out, at_places[p]);
             result_.folds.push_back(std::move(fold));
         }
-        result_.held_out = all;
-        result_.held_out_start = all_start;
+    }
+
+    void leave_out(std::size_t place) {
+        CalibrationPlace& left = result_.places[place];
+        const QuadraticFit fit =
+            fit_of_looked(box_, [&](const SimulatedLoss& all) { return elsewhere(all, place).loss; });
+        calibrate_by(
+            fit, std::vector<char>(problem_.records, 1),
+            [&](const SimulatedLoss& all) { return fit_of(elsewhere(all, place), {}); },
+            [&](const CalibrationPoint& point, const CalibrationFit& known, const SimulatedLoss& result) {
+                left.point = point;
+                left.training = known;
+                left.test = fit_of(at_place(result, place), {});
+            });
     }
 
     const CalibrationProblem& problem_;
@@ -533,6 +584,7 @@ private:
     std::vector<CalibrationPoint> best_seen_;  ///< by each search
     std::size_t done_ = 0;
     double least_loss_ = kInfinity, best_gap_ = kNaN;
+    Looked looked_;  ///< what the quadratics rest on
     std::optional<QuadraticFit> fit_;
     MinimumSpread spread_;
     UnitBox box_;

@@ -81,6 +81,14 @@ double yardstick(const PointSample& measured, bool share) {
     return sum;
 }
 
+/// Stops and the zones that they are counted in are one place; so are the impacts that were filmed, wherever they were.
+std::string place_of(const Observable& observable, const ObservationOperator& op) {
+    if (!observable.counts.empty() || observable.columns.empty()) return "stops";
+    const Column& c = observable.columns.front();
+    if (c.place < 0 || c.quantity == Quantity::InZone) return "stops";
+    return op.is_impact(c.place) ? "impacts" : op.screens[static_cast<std::size_t>(c.place)];
+}
+
 }  // namespace
 
 CalibrationLoss::CalibrationLoss(GapFunction function) : function_(std::move(function)) {
@@ -93,6 +101,9 @@ CalibrationLoss::CalibrationLoss(GapFunction function) : function_(std::move(fun
         const double length = observable.counts.empty() ? add_rows(part) : add_counts(part);
         if (part.records.size() < 2 || !(length > 0.0)) continue;
         yardsticks.push_back(length);
+        const std::string place = place_of(observable, function_.op());
+        part.place = static_cast<std::size_t>(std::find(places_.begin(), places_.end(), place) - places_.begin());
+        if (part.place == places_.size()) places_.push_back(place);
         parts_.push_back(std::move(part));
     }
     // so that the mean over all records is the mean over the observables of their mean scores in units of the yardstick
@@ -167,15 +178,20 @@ bool CalibrationLoss::add_scores(const Part& part, const ObservationTable& simul
             forecast = forecasts.try_emplace(block, own->second, o.share).first;
         }
         const Score score = forecast->second.score(part.points[k]);
-        loss.loss[part.records[k]] += part.weight * score.score;
-        loss.floor[part.records[k]] += part.weight * score.floor;
+        const std::size_t record = part.records[k];
+        loss.loss[record] += part.weight * score.score;
+        loss.floor[record] += part.weight * score.floor;
+        loss.loss_at[part.place][record] += part.weight * score.score;
+        loss.floor_at[part.place][record] += part.weight * score.floor;
     }
     return true;
 }
 
 SimulatedLoss CalibrationLoss::operator()(const CampaignResult& campaign, std::uint64_t seed) const {
     const ObservationTable simulated = function_.simulated(campaign, seed);
-    SimulatedLoss loss{std::vector<double>(records_, 0.0), std::vector<double>(records_, 0.0)};
+    const std::vector<double> none(records_, 0.0);
+    const std::vector<std::vector<double>> none_at(places_.size(), none);
+    SimulatedLoss loss{none, none, none_at, none_at};
     for (const Part& part : parts_)
         if (!add_scores(part, simulated, loss)) return {};
     return loss;

@@ -88,6 +88,12 @@ TEST(CalibrationLoss, IsOneGapIfNothingDiffersAndLeastAtTheTruth) {
         const CalibrationLoss loss(GapFunction(test_of(matched), test_operator()));
         const SimulatedLoss at_truth = loss(campaign_of(0.0, 20), 1);
         EXPECT_EQ(at_truth.loss.size(), loss.records());
+        EXPECT_THAT(loss.places(), ::testing::ElementsAre("stops", "screen"));
+        ASSERT_EQ(at_truth.loss_at.size(), 2U);
+        for (std::size_t k = 0; k < loss.records(); ++k) {
+            EXPECT_NEAR(at_truth.loss_at[0][k] + at_truth.loss_at[1][k], at_truth.loss[k], 1e-12);
+            EXPECT_NEAR(at_truth.floor_at[0][k] + at_truth.floor_at[1][k], at_truth.floor[k], 1e-12);
+        }
         EXPECT_NEAR(mean(at_truth.loss) / mean(at_truth.floor), 1.0, 0.25);
         for (const double shift : {-6.0, 6.0})
             EXPECT_GT(mean(loss(campaign_of(shift, 20), 1).loss), mean(at_truth.loss));

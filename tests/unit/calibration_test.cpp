@@ -168,6 +168,58 @@ TEST(Calibration, FoldsCoverEveryRecordOnce) {
     EXPECT_GT(r.held_out_start.loss, r.held_out.loss + 1.0);
 }
 
+// Two places that ask for different values: the calibration lies between, and what is left out is predicted by what the other one asks for.
+TEST(Calibration, LeavesOutEveryPlaceOnce) {
+    CalibrationProblem problem;
+    problem.parameters = {{"x", 0.0, 10.0, 5.0, false}};
+    problem.records = kRecords;
+    problem.places = {"stops", "screen"};
+    const LossFunction two_places = [](const CalibrationTask& task) {
+        SimulatedLoss result;
+        const std::vector<double> none(kRecords, 0.0);
+        result.loss = none;
+        result.floor = std::vector<double>(kRecords, 1.0);
+        result.loss_at = {none, none};
+        result.floor_at = {std::vector<double>(kRecords, 0.5), std::vector<double>(kRecords, 0.5)};
+        for (std::size_t place = 0; place < 2; ++place)
+            for (std::size_t k = 0; k < kRecords; ++k) {
+                RandomStream random(task.seed, 2 * k + place, RandomPurpose::Effect);
+                const double off = task.point.values[0] - (place == 0 ? 4.0 : 6.0);
+                const double own = 0.5 + off * off + 0.02 * random.normal();
+                result.loss_at[place][k] = own;
+                result.loss[k] += own;
+            }
+        return std::optional(result);
+    };
+    CalibrationJournal journal;
+    std::size_t planned = 0;
+    const CalibrationResult r =
+        calibrate(problem, quick(), two_places, journal, [&](const CalibrationProgress& p) { planned = p.planned; });
+    EXPECT_EQ(journal.size(), planned);
+    EXPECT_NEAR(r.best.values[0], 5.0, 0.1);
+    ASSERT_EQ(r.places.size(), 2U);
+    const double asked[] = {4.0, 6.0};
+    for (std::size_t p = 0; p < 2; ++p) {
+        EXPECT_EQ(r.places[p].name, problem.places[p]);
+        EXPECT_NEAR(r.places[p].point.values[0], asked[1 - p], 0.1);
+        EXPECT_NEAR(r.places[p].training.loss, 0.5, 0.05);
+        EXPECT_NEAR(r.places[p].test.loss, 0.5 + 4.0, 0.4);
+        EXPECT_NEAR(r.places[p].best.loss, 0.5 + 1.0, 0.25);
+        EXPECT_NEAR(r.places[p].held_out.loss, 0.5 + 1.0, 0.25);
+        EXPECT_NEAR(r.places[p].test.gap(), r.places[p].test.loss / 0.5, 1e-9);
+    }
+    // one place leaves nothing to predict it by
+    problem.places = {"stops"};
+    const LossFunction one_place = [&](const CalibrationTask& task) {
+        auto result = two_places(task);
+        result->loss_at.resize(1);
+        result->floor_at.resize(1);
+        return result;
+    };
+    CalibrationJournal another;
+    EXPECT_TRUE(calibrate(problem, quick(), one_place, another, nullptr).places.empty());
+}
+
 TEST(Calibration, ChoicesAloneAreRaced) {
     CalibrationProblem problem = two_and_a_choice();
     problem.parameters.clear();

@@ -50,6 +50,8 @@ struct CalibrationProblem {
     std::vector<CalibrationParameter> parameters;
     std::vector<CalibrationChoice> choices;
     std::size_t records = 0;  ///< measured blocks [-]
+    /// Where it was measured (a screen, the stops). If there are several, each is left out once, and predicted by what the others say.
+    std::vector<std::string> places = {};
 };
 
 struct CalibrationPoint {
@@ -75,6 +77,8 @@ struct CalibrationTask {
 struct SimulatedLoss {
     std::vector<double> loss;   ///< [-]
     std::vector<double> floor;  ///< loss of one more repeat in its place [-]
+    /// What of both belongs to each place of the problem, a vector over the records per place [-].
+    std::vector<std::vector<double>> loss_at = {}, floor_at = {};
 };
 /// Runs a simulation. The same task must give the same result. Nothing: it was stopped, and so is the calibration.
 using LossFunction = std::function<std::optional<SimulatedLoss>(const CalibrationTask&)>;
@@ -148,6 +152,14 @@ struct CalibrationFold {
     CalibrationFit start_test;          ///< of those held out, with the uncalibrated model
 };
 
+/// A place that the calibration was not told about, and what it predicts there.
+struct CalibrationPlace {
+    std::string name;
+    CalibrationPoint point;         ///< best for the other places
+    CalibrationFit training, test;  ///< of the others, of the one left out
+    CalibrationFit best, held_out;  ///< there: of the calibration that knows all; over all folds of blocks
+};
+
 /// How well the quadratic describes the losses around the best point.
 struct SurroundingsFit {
     std::size_t points = 0;  ///< that it rests on [-]
@@ -169,6 +181,7 @@ struct CalibrationResult {
     CalibrationFit start_fit, best_fit;  ///< of all records, same random numbers
     std::vector<CalibrationFold> folds;
     CalibrationFit held_out, held_out_start;  ///< over all folds
+    std::vector<CalibrationPlace> places;     ///< empty if there is one only, or no cross-validation
     std::vector<std::vector<double>>
         draws;  ///< plausible parameter values, for pictures and predictions: per draw one per parameter [*]
 };

@@ -20,6 +20,8 @@ public:
 
     /// Rows of the measured table, then one per block of each count [-].
     std::size_t records() const { return records_; }
+    /// Where they were measured: the stops, a screen, the films of impacts.
+    const std::vector<std::string>& places() const { return places_; }
     /// Names of the observables that are minimised.
     std::vector<std::string> observables() const;
     /// Empty where a measured block has fewer than kLeastRepeats simulated values: losses over different blocks cannot be compared. `seed` draws the errors of
@@ -29,6 +31,7 @@ public:
 private:
     struct Part {
         Observable observable;
+        std::size_t place = 0;                    ///< index into the places [-]
         double weight = 0.0;                      ///< of its scores in the loss of a record [1 / unit of the values]
         std::vector<std::size_t> records;         ///< with a value of it [-]
         std::vector<std::vector<double>> points;  ///< their values [unit of the values]
@@ -41,6 +44,7 @@ private:
     GapFunction function_;
     std::vector<Part> parts_;
     std::size_t records_ = 0;
+    std::vector<std::string> places_;
 };
 
 }  // namespace scree

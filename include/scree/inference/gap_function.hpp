@@ -27,6 +27,7 @@ public:
 
     const ObservationTable& measured() const { return measured_; }
     const std::vector<Observable>& observables() const { return observables_; }
+    const ObservationOperator& op() const { return op_; }
     /// The campaign as the test would have seen it. `seed` draws the errors of the measurements: the same ones for the same seed, whatever the campaign
     /// is, so that two models differ by what they say and not by luck.
     ObservationTable simulated(const CampaignResult& campaign, std::uint64_t seed) const;
