@@ -48,7 +48,7 @@ public:
         : in_(input), study_(study), test_(input.site, input.model, input.observed, study.keys, input.threads) {}
 
     void diagnose_test() {
-        study_.baseline = calibrated("baseline", {});
+        study_.baseline = calibrated("baseline", {}, {});
         if (study_.interrupted) return;
         study_.before = compared(study_.baseline, {}, study_.campaign);
         if (study_.interrupted) return;
@@ -57,6 +57,7 @@ public:
                                     simulation(study_.baseline, study_.catalogue), reporter());
         study_.interrupted = study_.diagnosis.interrupted;
         study_.verdict = study_.diagnosis.verdict;
+        if (!study_.interrupted && !study_.diagnosis.answer.empty()) calibrate_again();
         if (study_.diagnosis.together) {
             if (!study_.interrupted) refit(study_.diagnosis.answer);
         } else {
@@ -67,6 +68,14 @@ public:
         if (study_.interrupted || !in_.site.settings.diagnosis_further) return;
         if (study_.verdict == Verdict::Unknown) try_forces();
         if (study_.verdict == Verdict::Group) try_instruments_on_group();
+    }
+
+    /// Answers are calibrated from where the diagnosis followed them to. So is the model without them, which stays where it was if that leaves more.
+    void calibrate_again() {
+        CalibratedModel again = calibrated("baseline_again", {}, study_.diagnosis.parameters);
+        if (study_.interrupted || !(again.result.best_fit.loss < study_.baseline.result.best_fit.loss)) return;
+        study_.baseline = std::move(again);
+        study_.before = compared(study_.baseline, {}, study_.campaign);
     }
 
     /// What has no name: when, where and for which blocks it acts, as forces tell whose fingerprints are held against what the model leaves.
@@ -232,12 +241,13 @@ private:
         return point;
     }
 
-    /// The same search for every model: ranges, budget and random numbers; effects add their strengths to the parameters and begin where they were found.
-    CalibratedModel calibrated(const std::string& name, const std::vector<AnsweredEffect>& effects) {
+    /// The same search for every model: ranges, budget and random numbers; effects add their strengths to the parameters. Begins at these parameters, in the
+    /// unit cube, or where the site has them.
+    CalibratedModel calibrated(const std::string& name, const std::vector<AnsweredEffect>& effects,
+                               const std::vector<double>& begin) {
         CalibrationProblem problem = study_.keys.problem;
-        if (!effects.empty())
-            for (std::size_t k = 0; k < effects.front().finding.parameters.size(); ++k)
-                problem.parameters[k].start = from_unit(problem.parameters[k], effects.front().finding.parameters[k]);
+        for (std::size_t k = 0; k < begin.size(); ++k)
+            problem.parameters[k].start = from_unit(problem.parameters[k], begin[k]);
         for (const AnsweredEffect& e : effects) {
             const Interval range = strength_range(e);
             problem.parameters.push_back(
@@ -302,7 +312,7 @@ private:
             name +=
                 (name.empty() ? "" : "_and_") + fit.effects.back().candidate->name + "_" + std::to_string(f.variant);
         }
-        fit.model = calibrated(name, fit.effects);
+        fit.model = calibrated(name, fit.effects, findings.front().parameters);
         if (study_.interrupted) return;
         const std::size_t first = fit.model.result.parameters.size() - fit.effects.size();
         const SiteFile site = test_.site_at(fit.model.point);
