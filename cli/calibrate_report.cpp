@@ -222,14 +222,14 @@ std::string calibrated_toml(const CalibrationReport& r, const fs::path& to) {
     return text.str();
 }
 
-Json places_json(const CalibrationResult& result) {
+std::string places_json(const CalibrationResult& result) {
     Json json = Json::array();
     for (const CalibrationPlace& p : result.places)
         json.push_back({{"place", p.name},
                         {"fit", fit_json(p.best)},
                         {"blocks_held_out", fit_json(p.held_out)},
                         {"left_out", fit_json(p.test)}});
-    return json;
+    return json.dump();
 }
 
 std::string calibrate_json(const CalibrationReport& r) {
@@ -295,7 +295,7 @@ std::string calibrate_json(const CalibrationReport& r) {
                                      {"test", fit_json(f.test)},
                                      {"before", fit_json(f.start_test)}});
     }
-    if (!result.places.empty()) json["places"] = places_json(result);
+    if (!result.places.empty()) json["places"] = Json::parse(places_json(result));
     json["gaps_before"] = study_json(r.before_study);
     json["gaps_calibrated"] = study_json(r.after_study);
     json["remarks"] = calibration_remarks(r);

@@ -4,8 +4,6 @@
 #include "cli/compare_figures.hpp"
 #include "cli/free_keys.hpp"
 
-#include <nlohmann/json_fwd.hpp>
-
 #include <filesystem>
 #include <iosfwd>
 #include <string>
@@ -28,8 +26,8 @@ struct CalibrationReport {
 };
 
 std::vector<Figure> calibrate_figures(const CalibrationReport& report);
-/// How each place is fitted, and predicted where it, or blocks, were left out.
-nlohmann::ordered_json places_json(const CalibrationResult& result);
+/// How each place is fitted, and predicted where it, or blocks, were left out: a JSON array.
+std::string places_json(const CalibrationResult& result);
 std::string calibrate_json(const CalibrationReport& report);
 std::string calibrate_html(const CalibrationReport& report, const std::vector<Figure>& figures,
                            const std::vector<Figure>& compared);

@@ -71,7 +71,7 @@ Json answer_json(const DiagnoseStudy& study, const AnswerFit& a, const AnsweredE
         json["held_out_loss"] = a.model.result.held_out.loss;
         json["held_out_gap"] = a.model.result.held_out.gap();
         if (const auto share = removable_gap_closed(study, a)) json["removable_gap_closed"] = *share;
-        if (!a.model.result.places.empty()) json["places"] = places_json(a.model.result);
+        if (!a.model.result.places.empty()) json["places"] = Json::parse(places_json(a.model.result));
     }
     for (std::size_t k = 0; k < a.model.point.values.size(); ++k)
         json["calibrated"][study.keys.problem.parameters[k].name] = a.model.point.values[k];
@@ -161,7 +161,8 @@ std::string diagnose_json(const DiagnoseStudy& study) {
         if (!study.baseline.result.folds.empty()) {
             baseline["held_out_loss"] = study.baseline.result.held_out.loss;
             baseline["held_out_gap"] = study.baseline.result.held_out.gap();
-            if (!study.baseline.result.places.empty()) baseline["places"] = places_json(study.baseline.result);
+            if (!study.baseline.result.places.empty())
+                baseline["places"] = Json::parse(places_json(study.baseline.result));
         }
         json["baseline"] = baseline;
     }
