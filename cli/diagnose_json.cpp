@@ -154,8 +154,12 @@ std::string diagnose_json(const DiagnoseStudy& study) {
     json["not_searched"] = study.catalogue.left_out;
     if (!study.planning && !study.baseline.result.parameters.empty()) {
         Json baseline;
-        for (std::size_t k = 0; k < study.baseline.point.values.size(); ++k)
-            baseline["calibrated"][study.keys.problem.parameters[k].name] = study.baseline.point.values[k];
+        const std::vector<double>&calibrated = study.baseline.point.values, tested = study.tested_point().values;
+        for (std::size_t k = 0; k < calibrated.size(); ++k) {
+            const std::string& key = study.keys.problem.parameters[k].name;
+            baseline["calibrated"][key] = calibrated[k];
+            baseline["tested"][key] = tested[k];
+        }
         baseline["gap_fitted"] = study.baseline.result.best_fit.gap();
         baseline["gap_over_all"] = study.before.overall.gap;
         if (!study.baseline.result.folds.empty()) {

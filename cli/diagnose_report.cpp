@@ -103,7 +103,7 @@ std::string extended_toml(const DiagnoseStudy& study, const fs::path& to) {
     text << "\n";
     const bool with = !study.answers.empty() && study.verdict != Verdict::Unknown;
     const SiteFile site = with ? extended_site(study, study.answers.front())
-                               : with_changes(study.site, study.keys.changes(study.baseline.point));
+                               : with_changes(study.site, study.keys.changes(study.tested_point()));
     SiteSettings settings = site.settings;
     settings.output_directory = "out";
     text << settings_as_toml(settings, [&](const std::string& path) {

@@ -128,11 +128,9 @@ public:
         }
     }
 
-    /// The calibrated model, moved to where its residuals ask for.
     CalibratedModel tested_model() const {
         CalibratedModel model = study_.baseline;
-        for (std::size_t k = 0; k < model.point.values.size(); ++k)
-            model.point.values[k] = from_unit(study_.keys.problem.parameters[k], study_.diagnosis.parameters[k]);
+        model.point = study_.tested_point();
         return model;
     }
 
@@ -359,6 +357,13 @@ std::string AnswerFit::name() const {
 
 std::string zone_name(std::size_t effect) {
     return effect == 0 ? "effect_zone" : "effect_zone_" + std::to_string(effect + 1);
+}
+
+CalibrationPoint DiagnoseStudy::tested_point() const {
+    CalibrationPoint point = baseline.point;
+    for (std::size_t k = 0; k < diagnosis.parameters.size(); ++k)
+        point.values[k] = from_unit(keys.problem.parameters[k], diagnosis.parameters[k]);
+    return point;
 }
 
 void judge_refits(DiagnoseStudy& study) {

@@ -78,6 +78,8 @@ struct DiagnoseStudy {
     bool interrupted = false;
 
     const DiagnosisCandidate& candidate_of(const EffectFinding& f) const { return catalogue.candidates[f.effect]; }
+    /// The parameters without effect that all measurements together ask for: the calibration minimises a part of them.
+    CalibrationPoint tested_point() const;
     DiagnosisVariant variant_of(const EffectFinding& f) const { return catalogue.variant(f.effect, f.variant, f.on); }
 };
 

@@ -15,6 +15,7 @@ namespace {
 
 constexpr std::size_t kMostSentences = 8;
 constexpr double kWorthSaying = 0.05;  // least weight of an effect that is said where none is an answer [-]
+constexpr double kMoved = 0.05;        // a parameter that changes by less of its range has not moved [-]
 constexpr double kInRange = 0.03;      // estimates nearer to an end of their range lie on its edge [-]
 
 /// Less is the way blocks roll, not a third dimension [m].
@@ -253,6 +254,19 @@ static std::string transfer(const DiagnoseStudy& study, const AnsweredEffect& e)
            ": it may be carried to ground like this; beyond these masses and speeds it is a guess";
 }
 
+/// "soil.slope.restitution = 0.02 and not 0.31, ...": what the test has moved, visibly.
+static std::string tested_elsewhere(const DiagnoseStudy& study) {
+    const std::vector<double>&calibrated = study.baseline.point.values, tested = study.tested_point().values;
+    std::string text;
+    for (std::size_t k = 0; k < calibrated.size() && k < tested.size(); ++k) {
+        const CalibrationParameter& p = study.keys.problem.parameters[k];
+        if (std::abs(tested[k] - calibrated[k]) < kMoved * (p.high - p.low)) continue;
+        text += (text.empty() ? "" : ", ") + p.name + " = " + short_number(tested[k]) + " and not " +
+                short_number(calibrated[k]);
+    }
+    return text;
+}
+
 std::vector<std::string> diagnose_remarks(const DiagnoseStudy& study) {
     std::vector<std::string> remarks;
     const auto& parameters = study.keys.problem.parameters;
@@ -262,6 +276,13 @@ std::vector<std::string> diagnose_remarks(const DiagnoseStudy& study) {
             remarks.push_back(parameters[i].name +
                               " of the calibrated model lies on the edge of its range: a missing "
                               "effect often drives it there");
+    }
+    if (study.verdict == Verdict::None) {
+        const std::string elsewhere = tested_elsewhere(study);
+        if (!elsewhere.empty())
+            remarks.push_back("the calibration minimises a part of what was measured; all of it together asks for " +
+                              elsewhere +
+                              ": with that the model could have produced it, and site_extended.toml has it");
     }
     for (const AnswerFit& a : study.answers) {
         if (study.verdict == Verdict::Unknown) break;

@@ -161,6 +161,7 @@ private:
     }
     bool move_base(Diagnosis& d, const Hypothesis& without);
     bool settle_base(Diagnosis& d);
+    bool return_without(Diagnosis& d, const Hypothesis& with);
     bool follow_from_given(Diagnosis& d, std::vector<Hypothesis>& followed);
     void weigh(Diagnosis& d, std::vector<Hypothesis>& followed) const;
     void conclude(Diagnosis& d, std::vector<Hypothesis>& followed) const;
@@ -192,7 +193,7 @@ private:
     };
     Base base_;
     Eigen::VectorXd deviation_;        ///< of the parameters before the test: of their ranges
-    double left_without_ = kInfinity;  ///< by the model without effects, followed from the calibrated parameters [-]
+    double left_without_ = kInfinity;  ///< by the model without effects, where it was followed best [-]
     bool planning_ = false;            ///< nothing was measured yet
     std::size_t done_ = 0, planned_ = 0;
     std::int64_t simulated_ = 0;

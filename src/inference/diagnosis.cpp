@@ -36,6 +36,8 @@ constexpr double kMostNoise = 0.5;
 constexpr double kQNoise = 8.0;
 /// What another place for the parameters must leave less to be looked at, of Q [-].
 constexpr double kWorthMoving = 8.0;
+/// How often the model is followed without an effect from where the effect took it [-].
+constexpr int kReturns = 2;
 
 Eigen::VectorXd to_vector(const std::vector<double>& values) {
     return Eigen::Map<const Eigen::VectorXd>(values.data(), static_cast<Eigen::Index>(values.size()));
@@ -344,6 +346,20 @@ bool Diagnoser::settle_base(Diagnosis& d) {
     return move_base(d, without);
 }
 
+/// An effect takes the parameters along when it is followed, perhaps out of a valley in which the model without it was stuck: the effect would get the name for what
+/// parameters alone explain. From where it has arrived the model is followed without it.
+bool Diagnoser::return_without(Diagnosis& d, const Hypothesis& with) {
+    planned_ += of_base() + of_finalist();
+    Base before;
+    std::swap(before, base_);
+    base_.parameters = with.parameters;
+    Hypothesis without;
+    if (!build_space(before.space->residuals()) || !differentiate() || !follow(without)) return false;
+    std::swap(before, base_);
+    left_without_ = std::min(left_without_, without.q);
+    return move_base(d, without);
+}
+
 /// Where nothing on the slope that was followed could have produced the measurements: a calibration makes up for what is missing, with parameters at which the missing effect may be out of sight: a rolling resistance that grows with size
 /// does nothing where none is left; or it has settled in the wrong valley. The same look again from the parameters that were given before the calibration.
 bool Diagnoser::follow_from_given(Diagnosis& d, std::vector<Hypothesis>& followed) {
@@ -455,6 +471,7 @@ void Diagnoser::conclude(Diagnosis& d, std::vector<Hypothesis>& followed) const 
     if (!followed.empty()) weigh(d, followed);
     sort(d.findings);
     d.verdict = Verdict::Unknown;
+    d.answer.clear();
     std::vector<EffectFinding> answer;
     double reached = 0.0;
     for (const EffectFinding& f : d.findings) {
@@ -480,13 +497,20 @@ Diagnosis Diagnoser::run(Of of) {
     judge(d);
     if (measured && rejected(d) && !settle_base(d)) return d;
     std::vector<Hypothesis> followed;
-    if (measured && rejected(d) && !look_closer(d)) return d;
-    if (measured && rejected(d) && !follow_best(finalists(d.findings), followed)) return d;
-    if (!decide_close_race(followed)) return d;
-    if (measured && rejected(d)) conclude(d, followed);
-    if (measured && rejected(d) && !explained(d) && !problem_.given.empty()) {
-        if (!follow_from_given(d, followed)) return d;
-        if (rejected(d)) conclude(d, followed);
+    bool asked_given = problem_.given.empty();
+    for (int round = 0; measured && rejected(d); ++round) {
+        if (!look_closer(d) || !follow_best(finalists(d.findings), followed) || !decide_close_race(followed)) return d;
+        conclude(d, followed);
+        if (!explained(d) && !asked_given) {
+            asked_given = true;
+            if (!follow_from_given(d, followed)) return d;
+            if (!rejected(d)) break;
+            conclude(d, followed);
+        }
+        if (d.answer.empty() || round == kReturns) break;
+        const Eigen::VectorXd before = base_.parameters;
+        if (!return_without(d, followed.front())) return d;
+        if (base_.parameters == before) break;
     }
     d.parameters.assign(base_.parameters.data(), base_.parameters.data() + base_.parameters.size());
     d.simulated_blocks = simulated_;

@@ -360,6 +360,31 @@ TEST(Diagnosis, FindsWhatTheCalibrationHasHidden) {
     EXPECT_GE(found(), 4);
 }
 
+// A calibration stuck in a valley: towards the right value of the first parameter blocks slow down at first. An effect that dulls the hump leads out of the valley to
+// where it does nothing itself; the model without it, followed from there, explains all, and nothing may be named.
+TEST(Diagnosis, NamesNothingThatOnlyLeadsOutOfAValley) {
+    const auto blocks = blocks_of_test();
+    DiagnosisProblem problem = problem_for(blocks, {{"dulls the hump", false, {{"", 1.0}}}});
+    problem.calibrated = {0.15, 0.4};
+    const auto simulate = [&](const DiagnosisTask& t) {
+        DiagnosisTask task = t;
+        const double a = t.parameters[0], dull = t.effects.empty() ? 0.0 : t.effects.front().strength;
+        const double hump = (1.0 - dull) * std::exp(-12.5 * (a - 0.5) * (a - 0.5));
+        task.parameters[0] = 0.3 + 1.5 * (0.95 - a) + 1.8 * hump;
+        task.effects.clear();
+        return std::optional(throw_blocks(blocks, task));
+    };
+    int none = 0, named = 0;
+    for (std::uint64_t k = 0; k < 8; ++k) {
+        const ObservationTable table = *simulate({{0.95, 0.4}, {}, 60'000'000 + k, 1});
+        const Diagnosis d = diagnose(problem, table, quick(k), simulate, {});
+        none += d.verdict == Verdict::None;
+        named += !d.answer.empty();
+    }
+    EXPECT_EQ(named, 0);
+    EXPECT_GE(none, 4) << "elsewhere the effect cannot be seen from the valley, and nothing leads out";
+}
+
 // Shuffled rows break the tie between a block and its mass: no effect of mass may be named.
 TEST(Diagnosis, ShuffledBlocksNameNoEffectOfMass) {
     const auto blocks = blocks_of_test();
