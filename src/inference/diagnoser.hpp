@@ -117,11 +117,12 @@ private:
         double trust = 0.0;           ///< how far derivatives are trusted [steps]
         double left = kInfinity;      ///< at the last survey [-]
         double promised = kInfinity;  ///< the least that its derivatives promise to leave anywhere [-]
+        bool on_the_way = true;       ///< with few simulations
         int surveys = 0, without_better = 0;
         bool settled = false;
     };
     bool survey(Survey& s, std::size_t fingerprint, std::int64_t repeats);
-    Box around(const Survey& s, std::size_t fingerprint, double steps) const;
+    Box around(const Survey& s, std::size_t fingerprint, const Eigen::VectorXd& reach) const;
     Eigen::VectorXd prior_of(std::size_t fingerprint) const;
     /// Parameters; with an effect its strength; where its place is to be found the middle [m] and the logarithm of the length [ln m].
     Eigen::VectorXd unknowns_of(const Hypothesis& h) const;
@@ -129,6 +130,7 @@ private:
         return deviation_.size() + (fingerprint == kNoEffect ? 0 : variants_[fingerprint].on ? 3 : 1);
     }
     Eigen::VectorXd next_steps(const Survey& s, std::size_t fingerprint) const;
+    bool comparable(const ResidualMean& seen, std::size_t rows) const;
     void judge(Hypothesis& h, const Survey& s) const;
     Eigen::VectorXd within(Eigen::VectorXd at, std::size_t fingerprint) const;
     double most_of(std::size_t fingerprint) const;
@@ -140,7 +142,12 @@ private:
     bool look_again(std::vector<Pursuit>& pursuits, double least);
     Pursuit begin(Hypothesis h) const;
     bool advance(Pursuit& p);
+    Eigen::VectorXd reach_of(const Pursuit& p, const LocalMisfit& misfit) const;
     void go(Pursuit& p) const;
+    bool search_widely(Hypothesis& h);
+    Eigen::VectorXd given_parameters() const {
+        return Eigen::Map<const Eigen::VectorXd>(problem_.given.data(), std::ssize(problem_.given));
+    }
     Hypothesis arrived(Pursuit p) const;
     bool follow(Hypothesis& h);
     /// But for the place.
@@ -153,6 +160,7 @@ private:
     bool decide_close_race(std::vector<Hypothesis>& followed);
     /// For simulations that are many together, or a first look.
     std::int64_t half_repeats() const { return std::max<std::int64_t>(settings_.repeats / 2, 1); }
+    std::int64_t repeats_on_the_way() const;
     bool rejected(const Diagnosis& d) const { return d.test.p <= settings_.level; }
     /// By something that happens: before an instrument is blamed, the ground is asked from all sides.
     bool explained(const Diagnosis& d) const {

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Following an effect, or none, to the parameters and strength that leave least.
+#include "inference/cma_es.hpp"
 #include "inference/diagnoser.hpp"
 
 #include "scree/base/random.hpp"
@@ -17,6 +18,16 @@ constexpr double kLeastStrength = 0.01;
 /// Change of the misfit, minus twice a log-likelihood, that is noise; and how many surveys in a row without a larger one are the end [-].
 constexpr double kSettled = 3.0;
 constexpr int kWithoutBetter = 2, kWithoutBetterPlace = 3;
+/// On the way there surveys have this share of their simulations [-], and there may be so many of them, so many in a row without a lower misfit.
+constexpr std::int64_t kShareOnTheWay = 6;
+constexpr int kSurveysOnTheWay = 15, kWithoutBetterOnTheWay = 4;
+/// Of what is measured and seen in the residual space of the model, the share that a hypothesis must speak of [-].
+constexpr double kComparable = 0.7;
+/// Steps so many times as long as those that the survey asks for are wide [-].
+constexpr double kWideStep = 2.0;
+/// A search all over the ranges: generations, and standard deviation of the first one, of the ranges [-].
+constexpr int kGenerations = 40;
+constexpr double kWidely = 0.3;
 /// How far beyond a survey its derivatives are trusted [steps].
 constexpr double kTrust = 4.0;
 /// Sweeps over the coordinates of a quadratic problem [-].
@@ -150,14 +161,17 @@ bool Diagnoser::survey(Survey& s, std::size_t fingerprint, std::int64_t repeats)
     first.push_back(all.rows());
     const ResidualSpace space(std::move(all), measured_, problem_.blocks, settings_.residuals,
                               base_.space->residuals());
-    Eigen::MatrixXd means(signs.rows(), space.of_reference().cols());
-    for (Eigen::Index run = 0; run < signs.rows(); ++run) {
+    s.rows = space.of_reference();
+    Eigen::MatrixXd means(signs.rows(), s.rows.cols());
+    const Eigen::RowVectorXd mean = mean_residual(s.rows).mean;
+    for (Eigen::Index run = 0; run < signs.rows(); ++run) {  // chance is what differs within a run
         const auto from = static_cast<Eigen::Index>(first[static_cast<std::size_t>(run)]),
                    to = static_cast<Eigen::Index>(first[static_cast<std::size_t>(run) + 1]);
-        means.row(run) = mean_residual(space.of_reference().middleRows(from, to - from)).mean;
+        auto rows = s.rows.middleRows(from, to - from);
+        means.row(run) = mean_residual(rows).mean;
+        rows.rowwise() += mean - means.row(run);
     }
-    s.rows = space.of_reference();
-    s.covariance = row_covariance(space);
+    s.covariance = row_covariance(s.rows, space.least_variance());
     s.observed = mean_residual(space.of(measured_));
     s.slopes = slopes_of(std::move(moved), std::move(means),
                          s.observed.together.diagonal().maxCoeff() * static_cast<double>(signs.rows()) /
@@ -230,8 +244,8 @@ public:
     }
 
     double at(const Eigen::VectorXd& by) const { return here_ - 2.0 * pull_.dot(by) + by.dot(information_ * by); }
-    /// Standard deviation of one of them.
-    double deviation(Eigen::Index k) const { return std::sqrt(information_.inverse()(k, k)); }
+    /// Standard deviation of each, all others being free.
+    Eigen::VectorXd deviations() const { return information_.inverse().diagonal().cwiseMax(0.0).cwiseSqrt(); }
     /// The change that leaves least.
     Eigen::VectorXd best(const Box& box) const { return minimum(information_, pull_, box); }
     /// The same, drawn to where it is, and as the prior has it to where the start is.
@@ -257,9 +271,9 @@ private:
     double here_;
 };
 
-/// So many steps of a survey to both sides, within the ranges.
-Diagnoser::Box Diagnoser::around(const Survey& s, std::size_t fingerprint, double steps) const {
-    Box box{s.at - steps * s.step, s.at + steps * s.step};
+/// So far from a survey to both sides, within the ranges.
+Diagnoser::Box Diagnoser::around(const Survey& s, std::size_t fingerprint, const Eigen::VectorXd& reach) const {
+    Box box{s.at - reach, s.at + reach};
     const Eigen::Index count = base_.parameters.size();
     for (Eigen::VectorXd* corner : {&box.low, &box.high}) {
         const double middle = s.at.size() > count + 1 ? (*corner)[count + 1] : kNaN;
@@ -282,24 +296,30 @@ Eigen::VectorXd Diagnoser::prior_of(std::size_t fingerprint) const {
     return prior;
 }
 
+/// Nothing left where nothing can be compared is no explanation: a simulation in which no block passes a screen says nothing of speeds there.
+bool Diagnoser::comparable(const ResidualMean& seen, std::size_t rows) const {
+    return seen.together.trace() / static_cast<double>(rows) >=
+           kComparable * base_.observed.together.trace() / static_cast<double>(measured_.rows());
+}
+
 /// What a hypothesis leaves at the best place among the simulations of a survey: what derivatives promise farther away often does not come true.
 void Diagnoser::judge(Hypothesis& h, const Survey& s) const {
     const LocalMisfit misfit(s, prior_of(h.fingerprint));
-    const Eigen::VectorXd by = misfit.best(around(s, h.fingerprint, 1.0)), to = within(s.at + by, h.fingerprint);
+    const Eigen::VectorXd by = misfit.best(around(s, h.fingerprint, s.step)), to = within(s.at + by, h.fingerprint);
     const Eigen::Index count = deviation_.size();
-    h.q = misfit.at(by);
+    h.q = comparable(s.observed, measured_.rows()) ? misfit.at(by) : kInfinity;
     h.parameters = to.head(count);
     h.step = s.step;
-    h.parameter_deviation.clear();
-    for (Eigen::Index k = 0; k < count; ++k) h.parameter_deviation.push_back(misfit.deviation(k));
+    const Eigen::VectorXd deviations = misfit.deviations();
+    h.parameter_deviation.assign(deviations.data(), deviations.data() + count);
     if (h.fingerprint == kNoEffect) return;
     h.strength = std::max(to[count], kLeastStrength * most_of(h.fingerprint));
-    h.strength_deviation = misfit.deviation(count);
+    h.strength_deviation = deviations[count];
     h.on = dose_of(h.fingerprint, to).front().on;
     if (!h.on) return;
-    h.middle_deviation = misfit.deviation(count + 1);
+    h.middle_deviation = deviations[count + 1];
     h.middle_deviation = std::hypot(h.middle_deviation, h.place_spread);  // other places may explain as much
-    h.length_deviation = misfit.deviation(count + 2);
+    h.length_deviation = deviations[count + 2];
 }
 
 /// Steps of the next survey: of parameters and place such as would be told, of the strength as before.
@@ -345,50 +365,125 @@ Diagnoser::Pursuit Diagnoser::begin(Hypothesis h) const {
         s.slopes.directions.col(count) = f.change;
         if (h.on) s.step.tail(2) << kMostMiddleStep * h.on->length(), kMostLengthStep;
     }
-    const bool far = h.strength > 0.0;  // one that has been looked for is far from what the base knows
+    const bool elsewhere = h.parameters != base_.parameters, far = h.strength > 0.0 || elsewhere;
+    if (elsewhere) s.step.head(count) = Eigen::Map<const Eigen::VectorXd>(problem_.step.data(), count);
     p.best = std::move(h);
     p.best.q = kInfinity;
     if (!far) go(p);
     return p;
 }
 
+std::int64_t Diagnoser::repeats_on_the_way() const {
+    return std::max<std::int64_t>(settings_.repeats / kShareOnTheWay, 1);
+}
+
+/// How far derivatives are trusted: some steps, and farther where a change of one parameter is undone by others.
+Eigen::VectorXd Diagnoser::reach_of(const Pursuit& p, const LocalMisfit& misfit) const {
+    return p.trust * p.here.step.cwiseMax(misfit.deviations());
+}
+
 /// To where the last survey promises least; what its simulations hardly tell apart stays where it is.
 void Diagnoser::go(Pursuit& p) const {
     Survey& s = p.here;
     const std::size_t fingerprint = p.best.fingerprint;
-    s.at += LocalMisfit(s, prior_of(fingerprint))
-                .best(around(s, fingerprint, p.trust), (p.trust * s.step).array().square().inverse(), p.start - s.at);
+    const LocalMisfit misfit(s, prior_of(fingerprint));
+    const Eigen::VectorXd reach = reach_of(p, misfit);
+    s.at += misfit.best(around(s, fingerprint, reach), reach.array().square().inverse(), p.start - s.at);
     s.at = within(s.at, fingerprint);
 }
 
 /// Gauss-Newton on parameters, strength and place. Simulations are noisy, so that no two of them are compared on the way: every step comes from a survey of
-/// simulations all around, in the residual space of these, and is limited to where they tell something; one that leaves more is taken back and halved.
+/// simulations all around, in the residual space of these, and is limited to where they tell something; one that leaves more is taken back and halved. Few
+/// simulations show the way, more of them the place.
 bool Diagnoser::advance(Pursuit& p) {
     const std::size_t fingerprint = p.best.fingerprint;
-    if (p.surveys > 0) go(p);
-    if (!survey(p.here, fingerprint, half_repeats())) return false;
+    if (p.of_best.at.size() > 0) go(p);
+    if (!survey(p.here, fingerprint, p.on_the_way ? repeats_on_the_way() : half_repeats())) return false;
     const LocalMisfit misfit(p.here, prior_of(fingerprint));
     p.left = misfit.at(Eigen::VectorXd::Zero(p.here.at.size()));
-    p.promised = misfit.at(misfit.best(around(p.here, fingerprint, kInfinity)));
+    p.promised =
+        misfit.at(misfit.best(around(p.here, fingerprint, Eigen::VectorXd::Constant(p.here.at.size(), kInfinity))));
     Hypothesis here = p.best;
     judge(here, p.here);
     p.without_better = here.q < p.best.q - kSettled ? 0 : p.without_better + 1;
     if (here.q < p.best.q) {
-        p.settled = p.left - misfit.at(misfit.best(around(p.here, fingerprint, p.trust))) < kSettled;
-        p.here.step = here.step = next_steps(p.here, fingerprint);
+        p.settled = p.left - misfit.at(misfit.best(around(p.here, fingerprint, reach_of(p, misfit)))) < kSettled;
+        const Eigen::VectorXd step = next_steps(p.here, fingerprint);
+        const bool wide = (p.here.step.array() > kWideStep * step.array()).any();
+        p.here.step = here.step = step;
         p.best = std::move(here);
         p.of_best = p.here;
+        if (wide && p.on_the_way) {  // seen in so wide a space little is left anywhere: to be seen again
+            p.best.q = kInfinity;
+            p.settled = false;
+        }
+    } else if (p.of_best.at.size() == 0) {  // nothing to begin with
+        p.settled = true;
+        return true;
     } else {  // too far
         p.here = p.of_best;
         p.trust *= 0.5;
     }
-    const int patience = p.best.on ? kWithoutBetterPlace : kWithoutBetter;
-    if (++p.surveys == settings_.rounds || p.without_better == patience) p.settled = true;
+    const int patience = p.on_the_way ? kWithoutBetterOnTheWay : p.best.on ? kWithoutBetterPlace : kWithoutBetter;
+    if (++p.surveys == (p.on_the_way ? kSurveysOnTheWay : settings_.rounds) || p.without_better == patience)
+        p.settled = true;
+    if (p.settled && p.on_the_way) {
+        p.on_the_way = p.settled = false;
+        p.surveys = p.without_better = 0;
+        p.trust = kTrust;
+        p.best.q = kInfinity;
+        p.here = p.of_best;
+    }
+    return true;
+}
+
+/// Parameters, strength and place that leave little, from all over what is allowed, as few simulations in the residual space of the base tell: what is followed
+/// from one place alone ends in its valley, and a calibration has made up for a strong effect in another one.
+bool Diagnoser::search_widely(Hypothesis& h) {
+    const Eigen::Index count = base_.parameters.size(), size = count_of(h.fingerprint);
+    Eigen::VectorXd low(size), high(size);
+    low.head(count) = Eigen::Map<const Eigen::VectorXd>(problem_.low.data(), count);
+    high.head(count) = Eigen::Map<const Eigen::VectorXd>(problem_.high.data(), count);
+    if (size > count) {  // logarithm of the strength
+        high[count] = std::log(most_of(h.fingerprint));
+        low[count] = high[count] + std::log(kLeastStrength);
+    }
+    if (size > count + 1) {
+        const Stretch& path = path_of(h.fingerprint);
+        low.tail(2) << path.from, std::log(kShortestShare * path.length());
+        high.tail(2) << path.to, std::log(kLongestShare * path.length());
+    }
+    const auto unknowns = [&](const Eigen::VectorXd& u) {
+        Eigen::VectorXd at = low.array() + u.unaryExpr(&reflected).array() * (high - low).array();
+        if (size > count) at[count] = std::exp(at[count]);
+        return within(at, h.fingerprint);
+    };
+    const Eigen::LLT<Eigen::MatrixXd> factor(mean_covariance(row_covariance(*base_.space), base_.observed.together));
+    CmaEs search(Eigen::VectorXd::Constant(size, 0.5), kWidely, 0,
+                 RandomStream(settings_.seed, next_seed_, RandomPurpose::Calibration));
+    planned_ += static_cast<std::size_t>(kGenerations * CmaEs::default_population(static_cast<std::size_t>(size)));
+    for (int generation = 0; generation < kGenerations; ++generation) {
+        std::vector<double> losses;
+        for (const Eigen::VectorXd& u : search.ask()) {
+            const Eigen::VectorXd at = unknowns(u);
+            const auto table = simulate("finalists", at.head(count), dose_of(h.fingerprint, at), 1);
+            if (!table) return false;
+            const ResidualMean mean = mean_residual(base_.space->of(*table));
+            const Eigen::VectorXd left = base_.observed.mean - mean.mean;
+            losses.push_back(comparable(mean, table->rows()) ? left.dot(factor.solve(left)) : kInfinity);
+        }
+        search.tell(losses);
+    }
+    const Eigen::VectorXd at = unknowns(search.mean());
+    h.parameters = at.head(count);
+    if (h.fingerprint == kNoEffect) return true;
+    h.strength = at[count];
+    h.on = dose_of(h.fingerprint, at).front().on;
     return true;
 }
 
 Hypothesis Diagnoser::arrived(Pursuit p) const {
-    p.best.p = goodness_of_fit(p.of_best, p.best.fingerprint, p.best.q);
+    if (std::isfinite(p.best.q)) p.best.p = goodness_of_fit(p.of_best, p.best.fingerprint, p.best.q);
     return std::move(p.best);
 }
 
@@ -411,11 +506,19 @@ bool Diagnoser::pursue(Pursuit& p, double& least) {
 
 /// Every one by a survey, and then those that promise most. Adds them to those that have been followed.
 bool Diagnoser::follow_best(std::vector<Hypothesis> chosen, std::vector<Hypothesis>& followed) {
+    const std::vector<Hypothesis> from_base = chosen;
+    for (std::size_t k = 0; k < from_base.size(); ++k) {
+        const auto same = [&](const Hypothesis& h) { return same_way(h, from_base[k]); };
+        if (std::any_of(from_base.begin(), from_base.begin() + static_cast<std::ptrdiff_t>(k), same)) continue;
+        chosen.push_back(from_base[k]);
+        if (!search_widely(chosen.back())) return false;
+    }
     planned_ += chosen.size() * of_survey();
     std::vector<Pursuit> all, pursuits;
     for (Hypothesis& h : chosen) {
         all.push_back(begin(std::move(h)));
         if (!advance(all.back())) return false;
+        if (all.back().of_best.at.size() == 0) all.pop_back();
     }
     std::stable_sort(all.begin(), all.end(),
                      [](const Pursuit& a, const Pursuit& b) { return a.promised < b.promised; });
@@ -459,7 +562,7 @@ bool Diagnoser::decide_close_race(std::vector<Hypothesis>& followed) {
             here.p = goodness_of_fit(s, h.fingerprint, here.q);
             h = std::move(here);
             const LocalMisfit misfit(s, prior_of(h.fingerprint));
-            more = misfit.at(misfit.best(around(s, h.fingerprint, kTrust))) < h.q - kSettled;
+            more = misfit.at(misfit.best(around(s, h.fingerprint, kTrust * s.step))) < h.q - kSettled;
         }
     }
     return true;

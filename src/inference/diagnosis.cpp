@@ -18,8 +18,10 @@ namespace {
 
 /// z beyond the limit at which four of five effects are seen: the 80 % quantile of the normal distribution [-].
 constexpr double kFourOfFive = 0.8416;
-/// A finalist's z is at least this share of the best one's [-].
-constexpr double kFinalistShare = 0.45;
+/// So many times as many effects as finalists are looked at more closely [-], if their z is at least this share of the best one's [-]: an effect is often stronger, and
+/// the parameters elsewhere, than its fingerprint tells.
+constexpr std::size_t kCandidates = 2;
+constexpr double kFinalistShare = 0.2;
 /// z to expect at the largest strength allowed, below which an effect is none that could be seen [-].
 constexpr double kLeastVisible = 2.0;
 /// How many times as strong or weak as kModerate a fingerprint is taken again, how much stronger at once [-], and how often.
@@ -305,7 +307,7 @@ std::vector<Hypothesis> Diagnoser::finalists(const std::vector<EffectFinding>& f
                  [](const EffectFinding& f) { return f.visible && f.z > 0.0; });
     std::stable_sort(visible.begin(), visible.end(),
                      [](const EffectFinding& a, const EffectFinding& b) { return a.z > b.z; });
-    if (visible.size() > settings_.finalists) visible.resize(settings_.finalists);
+    visible.resize(std::min(visible.size(), kCandidates * settings_.finalists));
     std::vector<Hypothesis> chosen;
     const auto near_best = [&](double z) { return z >= kFinalistShare * visible.front().z; };
     for (const EffectFinding& f : visible) {
@@ -337,11 +339,17 @@ bool Diagnoser::move_base(Diagnosis& d, const Hypothesis& without) {
     return true;
 }
 
-/// A model that is rejected gets what every effect gets: its parameters are followed to where its own simulations leave least.
+/// A model that is rejected gets what every effect gets, and more: its parameters are followed to where its own simulations leave least, from where they are, from
+/// those that were given and from the best that a search all over the ranges finds.
 bool Diagnoser::settle_base(Diagnosis& d) {
-    planned_ += of_finalist();
-    Hypothesis without;
-    if (!follow(without)) return false;
+    planned_ += 3 * of_finalist();
+    std::vector<Hypothesis> starts(2);
+    if (!search_widely(starts[1])) return false;
+    if (!problem_.given.empty()) starts.emplace_back().parameters = given_parameters();
+    for (Hypothesis& h : starts)
+        if (!follow(h)) return false;
+    const Hypothesis& without = *std::min_element(starts.begin(), starts.end(),
+                                                  [](const Hypothesis& a, const Hypothesis& b) { return a.q < b.q; });
     left_without_ = without.q;
     return move_base(d, without);
 }
@@ -366,7 +374,7 @@ bool Diagnoser::follow_from_given(Diagnosis& d, std::vector<Hypothesis>& followe
     planned_ += of_base() + (1 + settings_.finalists) * of_finalist();
     Base calibrated, given;
     std::swap(calibrated, base_);
-    base_.parameters = to_vector(problem_.given);
+    base_.parameters = given_parameters();
     Hypothesis without;
     if (!build_space(calibrated.space->residuals()) || !differentiate() || !follow(without)) return false;
     std::swap(given, base_);
