@@ -11,8 +11,9 @@ here) or is done to the measured values here.
 
 Strength: delta, the signal-to-noise ratio that a perfect linear test of this field test would have for the hidden effect after a recalibration of the model:
 sqrt(n d' P d), d the change of the means of what is measured of a block (and of its squares and its products with the logarithm of the mass), P the inverse of their
-covariance with the span of the parameters' derivatives projected out; the least of the values at the model's parameters and after three Gauss-Newton steps of recalibration. It is
-estimated from --count simulated blocks, solved for the value drawn, 1 to 9, and estimated again from others for the record: its own scatter is 0.5 to 1.
+covariance with the span of the parameters' derivatives projected out, after a recalibration: the least of the values at the model's parameters and along Gauss-Newton
+steps from there. The strength is solved for the value drawn, 1 to 9, with derivatives at the model's parameters; the value for the record comes from other blocks (--count
+of them) and a recalibration that takes its derivatives anew until it has settled, and where it is far from the value drawn the strength is corrected. Its own scatter is 0.5 to 1.
 """
 import argparse
 import csv
@@ -48,7 +49,8 @@ START = {"restitution": 0.1, "friction": 0.6, "rolling": 0.05}  # of the site th
 POSITION_ERROR, SPEED_ERROR, HEIGHT_ERROR, SPIN_ERROR = 0.2, (0.05, 0.2), 0.1, 0.3
 # what a recalibration moves: step of the derivatives (of a logarithm for rolling), least and largest value; how often it is done, and how far
 ABSORBING = {"restitution": (0.05, 0.0, 0.9), "friction": (0.08, 0.1, 1.5), "rolling": (math.log(1.3), 0.001, 0.4)}
-RECALIBRATIONS = 3
+RECALIBRATIONS, SETTLING = 3, 3  # steps with the derivatives at the model's parameters; with derivatives taken anew, at most
+CORRECTIONS = 2  # of a strength whose settled delta is less than two thirds or more than one and a half times the value drawn
 RANGE = 6.0
 IMPACTS = 3  # first ones of a block that are filmed where they are; before and after each: speed and vertical speed
 IMPACT_FIELDS = ("speed_before_ms", "rise_before_ms", "speed_after_ms", "rise_after_ms")
@@ -301,29 +303,54 @@ class Case:
                 moved = soils[soil][key] * math.exp(width * step) if key == "rolling" else soils[soil][key] + width * step
                 soils[soil][key] = float(min(max(moved, low), high))
             return soils
-        jacobian = []
-        for k in range(len(names)):
-            low, high = (sample(at(sign * np.eye(len(names))[k])).mean(axis=0) for sign in (-1.0, 1.0))
-            jacobian.append((high - low) / 2.0)
         whiten = np.linalg.inv(np.linalg.cholesky(covariance))
-        by_step = whiten @ np.array(jacobian).T
-        # steps from what is left, with ranges of about RANGE steps: what the test hardly tells about is not driven far by noise
-        steps_of = np.linalg.solve(self.n * by_step.T @ by_step + np.eye(len(names)) / RANGE ** 2, self.n * by_step.T)
-        remains = np.eye(base.shape[1]) - by_step @ steps_of
 
-        def delta(effects, fault=None, limited=False):
+        def projection(steps):
+            """Derivatives there; what they leave; steps from what is left, with ranges of about RANGE steps: what the test hardly tells about is not driven far by noise."""
+            one = np.eye(len(names))
+            J = np.array([(sample(at(steps + one[k])).mean(axis=0) - sample(at(steps - one[k])).mean(axis=0)) / 2.0 for k in range(len(names))])
+            J = whiten @ J.T
+            information = self.n * J.T @ J + one / RANGE ** 2
+            return np.eye(base.shape[1]) - J @ np.linalg.solve(information, self.n * J.T), J, information
+        remains, by_step, information = projection(np.zeros(len(names)))
+        steps_of = np.linalg.solve(information, self.n * by_step.T)
+
+        def settled(hidden, steps):
+            """The least that is left after so many steps when the derivatives are taken anew on the way."""
+            least, model = math.inf, sample(at(steps))
+            for _ in range(SETTLING):
+                remains, J, information = projection(steps)
+                difference = hidden - model
+                left = whiten @ difference.mean(axis=0)
+                least = min(least, unexplained(remains, difference))
+                step = np.linalg.solve(information, self.n * J.T @ left - steps / RANGE ** 2)
+                for part in (1.0, 0.3):
+                    to = steps + np.clip(part * step, -4.0, 4.0)
+                    model = sample(at(to))
+                    if np.linalg.norm(whiten @ (hidden - model).mean(axis=0)) < np.linalg.norm(left):
+                        break
+                else:
+                    break
+                steps = to
+            return least
+
+        def unexplained(remains, difference):
+            """Squared, per block, less what chance adds."""
+            left = remains @ whiten @ difference.mean(axis=0)
+            return left @ left - np.trace(remains @ whiten @ np.cov(difference.T) @ whiten.T @ remains.T) / self.args.count
+
+        def delta(effects, fault=None, limited=False, settle=False):
             hidden, steps, least, model = sample(None, effects, fault), np.zeros(len(names)), math.inf, base
             if limited and np.abs((hidden - base).mean(axis=0)).max() > LARGEST_CHANGE:
                 return math.inf
             for k in range(1 + RECALIBRATIONS):  # Gauss-Newton: what a linear recalibration leaves may be less elsewhere
                 difference = hidden - model
-                left = whiten @ difference.mean(axis=0)
-                steps = steps + np.clip(steps_of @ left, -4.0, 4.0)
-                left = remains @ left
-                chance = np.trace(remains @ whiten @ np.cov(difference.T) @ whiten.T @ remains.T) / self.args.count
-                least = min(least, left @ left - chance)
+                least = min(least, unexplained(remains, difference))
+                steps = steps + np.clip(steps_of @ whiten @ difference.mean(axis=0), -4.0, 4.0)
                 if k < RECALIBRATIONS:
                     model = sample(at(steps))
+            if settle:
+                least = min(least, settled(hidden, steps))
             return math.sqrt(self.n * max(least, 0.0))
         return delta
 
@@ -347,6 +374,15 @@ class Case:
                 q = 0.5 * (low + high)
         return best[1]
 
+    def correct(self, settled, q, largest):
+        """The strength, changed in proportion until its settled delta is near the target."""
+        for _ in range(CORRECTIONS):
+            reached = settled(q)
+            if self.target / 1.5 < reached < 1.5 * self.target or (q >= largest and reached < self.target):
+                break
+            q = float(min(largest, q * min(max(self.target / max(reached, 1e-9), 1.0 / 3.0), 3.0)))
+        return q
+
     # ---- the whole ----
 
     def write(self, work):
@@ -358,7 +394,8 @@ class Case:
         for effect in self.effects:
             name, (families, start, largest, text), _ = effect
             effect[2] = self.solve(lambda q: delta([text(q, self.at)], limited=True), start, largest)
-            reached = anew([text(effect[2], self.at)])
+            effect[2] = self.correct(lambda q: delta([text(q, self.at)], settle=True), effect[2], largest)
+            reached = anew([text(effect[2], self.at)], settle=True)
             truth["hidden"].append({"name": name, "families": families, "strength": effect[2], "delta": reached,
                                     "at": self.at if name in LOCAL else None, "entry": text(effect[2], self.at)})
         if self.fault:
@@ -369,7 +406,8 @@ class Case:
                 self.fault[1] = min(options)[1]
             else:
                 self.fault[1] = self.solve(lambda q: delta((), (self.fault[0], q)), start, largest)
-            reached = anew((), tuple(self.fault))
+                self.fault[1] = self.correct(lambda q: delta((), (self.fault[0], q), settle=True), self.fault[1], largest)
+            reached = anew((), tuple(self.fault), settle=True)
             truth["hidden"].append({"name": self.fault[0], "families": families, "strength": self.fault[1], "delta": reached, "at": None})
         if self.tier == 4:
             truth["hidden"].append({"name": "three dimensions", "families": [], "strength": None, "delta": None, "at": None})
