@@ -467,7 +467,7 @@ def main():
     parser.add_argument("--cases", type=int, default=1)
     parser.add_argument("--slopes", choices=list(terrains.SETS), default="test")
     parser.add_argument("--tiers", type=lambda text: [int(t) for t in text.split(",")], default=list(TIERS))
-    parser.add_argument("--count", type=int, default=2000, help="simulated blocks behind a delta (default 2000)")
+    parser.add_argument("--count", type=int, default=1000, help="simulated blocks behind a delta (default 1000)")
     parser.add_argument("--blocks", type=int, default=0, help="of every case (default: 30, 50 or 100 are drawn)")
     parser.add_argument("--threads", type=int, default=0)
     args = parser.parse_args()
