@@ -144,7 +144,13 @@ private:
     bool advance(Pursuit& p);
     Eigen::VectorXd reach_of(const Pursuit& p, const LocalMisfit& misfit) const;
     void go(Pursuit& p) const;
-    bool search_widely(Hypothesis& h);
+    struct WideSearch;
+    WideSearch search_for(Hypothesis h);
+    Eigen::VectorXd unknowns_at(const WideSearch& w, const Eigen::VectorXd& u) const;
+    bool search(WideSearch& w, int generations);
+    Hypothesis found_by(const WideSearch& w) const;
+    bool search_widely(const std::vector<Hypothesis>& chosen, std::vector<Hypothesis>& found);
+    std::optional<Hypothesis> search_without();
     Eigen::VectorXd given_parameters() const {
         return Eigen::Map<const Eigen::VectorXd>(problem_.given.data(), std::ssize(problem_.given));
     }

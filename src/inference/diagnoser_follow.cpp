@@ -25,8 +25,8 @@ constexpr int kSurveysOnTheWay = 15, kWithoutBetterOnTheWay = 4;
 constexpr double kComparable = 0.7;
 /// Steps so many times as long as those that the survey asks for are wide [-].
 constexpr double kWideStep = 2.0;
-/// A search all over the ranges: generations, and standard deviation of the first one, of the ranges [-].
-constexpr int kGenerations = 40;
+/// A search all over the ranges: generations of every form, and of those that leave least; standard deviation of the first one, of the ranges [-].
+constexpr int kFirstGenerations = 12, kGenerations = 40;
 constexpr double kWidely = 0.3;
 /// How far beyond a survey its derivatives are trusted [steps].
 constexpr double kTrust = 4.0;
@@ -439,12 +439,19 @@ bool Diagnoser::advance(Pursuit& p) {
 
 /// Parameters, strength and place that leave little, from all over what is allowed, as few simulations in the residual space of the base tell: what is followed
 /// from one place alone ends in its valley, and a calibration has made up for a strong effect in another one.
-bool Diagnoser::search_widely(Hypothesis& h) {
+struct Diagnoser::WideSearch {
+    Hypothesis h;
+    Eigen::VectorXd low, high;  ///< of the parameters, the logarithm of the strength, and the place
+    CmaEs search;
+    double left = kInfinity;  ///< by the middle one of the last generation [-]
+};
+
+Diagnoser::WideSearch Diagnoser::search_for(Hypothesis h) {
     const Eigen::Index count = base_.parameters.size(), size = count_of(h.fingerprint);
     Eigen::VectorXd low(size), high(size);
     low.head(count) = Eigen::Map<const Eigen::VectorXd>(problem_.low.data(), count);
     high.head(count) = Eigen::Map<const Eigen::VectorXd>(problem_.high.data(), count);
-    if (size > count) {  // logarithm of the strength
+    if (size > count) {
         high[count] = std::log(most_of(h.fingerprint));
         low[count] = high[count] + std::log(kLeastStrength);
     }
@@ -453,32 +460,79 @@ bool Diagnoser::search_widely(Hypothesis& h) {
         low.tail(2) << path.from, std::log(kShortestShare * path.length());
         high.tail(2) << path.to, std::log(kLongestShare * path.length());
     }
-    const auto unknowns = [&](const Eigen::VectorXd& u) {
-        Eigen::VectorXd at = low.array() + u.unaryExpr(&reflected).array() * (high - low).array();
-        if (size > count) at[count] = std::exp(at[count]);
-        return within(at, h.fingerprint);
-    };
+    return {std::move(h), std::move(low), std::move(high),
+            CmaEs(Eigen::VectorXd::Constant(size, 0.5), kWidely, 0,
+                  RandomStream(settings_.seed, next_seed_++, RandomPurpose::Calibration))};
+}
+
+Eigen::VectorXd Diagnoser::unknowns_at(const WideSearch& w, const Eigen::VectorXd& u) const {
+    Eigen::VectorXd at = w.low.array() + u.unaryExpr(&reflected).array() * (w.high - w.low).array();
+    const Eigen::Index count = base_.parameters.size();
+    if (at.size() > count) at[count] = std::exp(at[count]);
+    return within(std::move(at), w.h.fingerprint);
+}
+
+bool Diagnoser::search(WideSearch& w, int generations) {
     const Eigen::LLT<Eigen::MatrixXd> factor(mean_covariance(row_covariance(*base_.space), base_.observed.together));
-    CmaEs search(Eigen::VectorXd::Constant(size, 0.5), kWidely, 0,
-                 RandomStream(settings_.seed, next_seed_, RandomPurpose::Calibration));
-    planned_ += static_cast<std::size_t>(kGenerations * CmaEs::default_population(static_cast<std::size_t>(size)));
-    for (int generation = 0; generation < kGenerations; ++generation) {
+    for (int generation = 0; generation < generations; ++generation) {
+        const std::vector<Eigen::VectorXd> candidates = w.search.ask();
+        planned_ += candidates.size();
         std::vector<double> losses;
-        for (const Eigen::VectorXd& u : search.ask()) {
-            const Eigen::VectorXd at = unknowns(u);
-            const auto table = simulate("finalists", at.head(count), dose_of(h.fingerprint, at), 1);
+        for (const Eigen::VectorXd& u : candidates) {
+            const Eigen::VectorXd at = unknowns_at(w, u);
+            const auto table = simulate("finalists", at.head(base_.parameters.size()), dose_of(w.h.fingerprint, at), 1);
             if (!table) return false;
             const ResidualMean mean = mean_residual(base_.space->of(*table));
             const Eigen::VectorXd left = base_.observed.mean - mean.mean;
             losses.push_back(comparable(mean, table->rows()) ? left.dot(factor.solve(left)) : kInfinity);
         }
-        search.tell(losses);
+        w.search.tell(losses);
+        std::nth_element(losses.begin(), losses.begin() + std::ssize(losses) / 2, losses.end());
+        w.left = losses[losses.size() / 2];
     }
-    const Eigen::VectorXd at = unknowns(search.mean());
+    return true;
+}
+
+Hypothesis Diagnoser::found_by(const WideSearch& w) const {
+    const Eigen::VectorXd at = unknowns_at(w, w.search.mean());
+    const Eigen::Index count = base_.parameters.size();
+    Hypothesis h = w.h;
     h.parameters = at.head(count);
-    if (h.fingerprint == kNoEffect) return true;
+    if (h.fingerprint == kNoEffect) return h;
     h.strength = at[count];
     h.on = dose_of(h.fingerprint, at).front().on;
+    return h;
+}
+
+std::optional<Hypothesis> Diagnoser::search_without() {
+    WideSearch w = search_for({});
+    if (!search(w, kGenerations)) return std::nullopt;
+    return found_by(w);
+}
+
+/// Every form of the effects that were chosen by some generations, and those that leave least to the end.
+bool Diagnoser::search_widely(const std::vector<Hypothesis>& chosen, std::vector<Hypothesis>& found) {
+    const ScoreResult score = (*base_.test)(base_.observed);
+    std::vector<WideSearch> ways;
+    for (std::size_t k = 0; k < variants_.size(); ++k) {
+        const Hypothesis h = unfollowed(k);
+        const auto of_effect = [&](const Hypothesis& c) {
+            return variants_[c.fingerprint].effect == variants_[k].effect;
+        };
+        if (!visible(k, score) || std::none_of(chosen.begin(), chosen.end(), of_effect) ||
+            std::any_of(ways.begin(), ways.end(), [&](const WideSearch& w) { return same_way(w.h, h); }))
+            continue;
+        ways.push_back(search_for(h));
+        if (!search(ways.back(), kFirstGenerations)) return false;
+    }
+    std::stable_sort(ways.begin(), ways.end(),
+                     [](const WideSearch& a, const WideSearch& b) { return a.left < b.left; });
+    ways.erase(ways.begin() + std::min(std::ssize(ways), static_cast<std::ptrdiff_t>(2 * settings_.finalists)),
+               ways.end());
+    for (WideSearch& w : ways) {
+        if (!search(w, kGenerations - kFirstGenerations)) return false;
+        found.push_back(found_by(w));
+    }
     return true;
 }
 
@@ -506,13 +560,10 @@ bool Diagnoser::pursue(Pursuit& p, double& least) {
 
 /// Every one by a survey, and then those that promise most. Adds them to those that have been followed.
 bool Diagnoser::follow_best(std::vector<Hypothesis> chosen, std::vector<Hypothesis>& followed) {
-    const std::vector<Hypothesis> from_base = chosen;
-    for (std::size_t k = 0; k < from_base.size(); ++k) {
-        const auto same = [&](const Hypothesis& h) { return same_way(h, from_base[k]); };
-        if (std::any_of(from_base.begin(), from_base.begin() + static_cast<std::ptrdiff_t>(k), same)) continue;
-        chosen.push_back(from_base[k]);
-        if (!search_widely(chosen.back())) return false;
-    }
+    if (std::vector<Hypothesis> found; search_widely(chosen, found))
+        chosen.insert(chosen.end(), std::make_move_iterator(found.begin()), std::make_move_iterator(found.end()));
+    else
+        return false;
     planned_ += chosen.size() * of_survey();
     std::vector<Pursuit> all, pursuits;
     for (Hypothesis& h : chosen) {

@@ -343,8 +343,9 @@ bool Diagnoser::move_base(Diagnosis& d, const Hypothesis& without) {
 /// those that were given and from the best that a search all over the ranges finds.
 bool Diagnoser::settle_base(Diagnosis& d) {
     planned_ += 3 * of_finalist();
-    std::vector<Hypothesis> starts(2);
-    if (!search_widely(starts[1])) return false;
+    const auto found = search_without();
+    if (!found) return false;
+    std::vector<Hypothesis> starts{{}, *found};
     if (!problem_.given.empty()) starts.emplace_back().parameters = given_parameters();
     for (Hypothesis& h : starts)
         if (!follow(h)) return false;
