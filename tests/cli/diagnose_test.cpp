@@ -29,9 +29,9 @@ std::string without(const std::string& more = "") {
 }
 
 /// A field test: quarry_a with another seed.
-fs::path field_test(const fs::path& folder, int blocks) {
-    std::vector<std::string> args{
-        "--set", "release.count=" + std::to_string(blocks), "--seed", "5", "--set", "model.dimension=2"};
+fs::path field_test(const fs::path& folder, int blocks, int dimension = 2) {
+    std::vector<std::string> args{"--set", "release.count=" + std::to_string(blocks),     "--seed", "5",
+                                  "--set", "model.dimension=" + std::to_string(dimension)};
     EXPECT_EQ(run_quarry_a(folder, args).code, 0);
     return folder;
 }
@@ -156,6 +156,19 @@ TEST(Diagnose, FindsNothingInATestOfTheModelItself) {
     ASSERT_EQ(resumed.code, 0) << resumed.err;
     EXPECT_THAT(differing_files(out, again), IsEmpty());
     EXPECT_FALSE(fs::exists(journal));
+}
+
+TEST(Diagnose, InSpaceItHasMaps) {
+    const TempDir folder;
+    const fs::path out = folder / "out";
+    const Outcome run = diagnose(out, {"--observed", field_test(folder / "field", 8, 3).string(), "--set",
+                                       "model.dimension=3", "--set", "diagnosis.reference_repeats=12"});
+    ASSERT_EQ(run.code, 0) << run.err;
+    EXPECT_THAT(run.out, HasSubstr("=> NONE"));
+    EXPECT_THAT(run.out, Not(HasSubstr("confirm with model.dimension = 3")));
+    for (const char* name : {"figures/calibrated_map.svg", "rasters/reach_probability_calibrated.tif",
+                             "rasters/reach_probability_calibrated.qml", "results.gpkg", "results.qgs"})
+        EXPECT_TRUE(fs::exists(out / name)) << name;
 }
 
 TEST(Diagnose, StopsAtMeasurementsThatCannotBe) {
