@@ -2,10 +2,10 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Opens the sealed truths of blind cases, checks their hashes, and scores what `scree diagnose` found.
 
-Usage: score.py FOLDER [--table FILE]
+Usage: score.py FOLDER [--table FILE] [--picture FILE]
 
-Prints rates with their 95 % intervals (Wilson), of all cases and of those with 50 blocks, power by delta, and a confusion matrix; --table writes one line
-per case.
+Prints rates with their 95 % intervals (Wilson), of all cases and of those with 50 blocks, power by delta, of all effects together and of each, and a confusion
+matrix; --table writes one line per case, --picture draws the power curve (needs python3-matplotlib).
 """
 import argparse
 import collections
@@ -21,15 +21,21 @@ import terrains
 
 AXIS_FROM_HEAD = terrains.RELEASE + 5.0 - 1.5  # the axis of the observations begins in the middle of the release, the profile at its head [m]
 BINS = (0.0, 1.5, 2.5, 3.75, 5.25, 7.5, math.inf)
+ONE_HIDDEN = (0, 1, 3, 6)  # tiers
 
 
 def wilson(hits, n):
-    if n == 0:
-        return "no cases"
+    """Ends of the 95 % interval of a share."""
     z, p = 1.96, hits / n
     middle, half = (p + z * z / (2 * n)) / (1 + z * z / n), z / (1 + z * z / n) * math.sqrt(p * (1 - p) / n + z * z / (4 * n * n))
-    low, high = (round(100 * min(max(x, 0.0), 1.0), 1) for x in (middle - half, middle + half))
-    return f"{100 * p:.3g} % of {n} ({low:g} to {high:g})"
+    return max(middle - half, 0.0), min(middle + half, 1.0)
+
+
+def share(hits, n):
+    if n == 0:
+        return "no cases"
+    low, high = (round(100 * x, 1) for x in wilson(hits, n))
+    return f"{100 * hits / n:.3g} % of {n} ({low:g} to {high:g})"
 
 
 def seals(folder):
@@ -95,12 +101,52 @@ def covered(truth, answer):
     return None
 
 
+def detected(case):
+    return case["verdict"] != "NONE"
+
+
+def by_delta(cases):
+    """For each bin of delta that has cases of one hidden effect: (low, high, those cases)."""
+    chosen = [c for c in cases if c["tier"] in ONE_HIDDEN and c["delta"] is not None]
+    bins = [(low, high, [c for c in chosen if low <= c["delta"] < high]) for low, high in zip(BINS, BINS[1:])]
+    return [b for b in bins if b[2]]
+
+
+def picture(cases, file):
+    import matplotlib
+    matplotlib.use("svg")
+    matplotlib.rcParams["svg.hashsalt"] = "power"
+    from matplotlib import pyplot
+    figure, axes = pyplot.subplots(figsize=(7, 5))
+    deltas = [0.05 * k for k in range(221)]
+    axes.plot(deltas, [statistics.NormalDist().cdf(d - 1.645) for d in deltas], color="0.6", lw=1, label="detected by a linear test that knows the effect (level 5 %)")
+    axes.plot([3, 4.5], [0.5, 0.9], "k+", ms=9, label="aim: 0.5 at 3, 0.9 at 4.5")
+    inside = [b[2] for b in by_delta(cases)]
+    for label, color, of, hit in (("detected", "#0b4f8a", lambda c: True, detected), ("with its right name (in the catalogue)", "#d65f00", lambda c: c["tier"] != 3, lambda c: c["right"])):
+        points = [(statistics.fmean(c["delta"] for c in chosen), sum(map(hit, chosen)), len(chosen)) for chosen in ([c for c in b if of(c)] for b in inside) if chosen]
+        shares = [hits / n for _, hits, n in points]
+        ends = [wilson(hits, n) for _, hits, n in points]
+        axes.errorbar([x for x, _, _ in points], shares, [[y - e[0] for y, e in zip(shares, ends)], [e[1] - y for y, e in zip(shares, ends)]],
+                      color=color, marker="o", ms=4, lw=1.5, capsize=2, label=label)
+    null = [c for c in cases if c["tier"] == 5]
+    if null:
+        axes.axhline(sum(map(detected, null)) / len(null), color="#0b4f8a", lw=0.8, ls=":", label=f"false alarms, {len(null)} cases without effect")
+    axes.set(xlabel="delta of the hidden effect, after recalibration", ylabel="share of cases", ylim=(0, 1), xlim=(0, 11))
+    axes.legend(frameon=False, fontsize=8, loc="lower left", bbox_to_anchor=(0, 1), ncols=2)
+    axes.spines[["top", "right"]].set_visible(False)
+    figure.tight_layout()
+    figure.savefig(file, metadata={"Date": None})
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("folder", type=Path)
     parser.add_argument("--table", type=Path)
+    parser.add_argument("--picture", type=Path)
     args = parser.parse_args()
     cases, missing = read(args.folder)
+    if args.picture:
+        picture(cases, args.picture)
     if args.table:
         with open(args.table, "w", newline="", encoding="utf-8") as file:
             table = csv.DictWriter(file, cases[0].keys(), lineterminator="\n")
@@ -110,7 +156,7 @@ def main():
     def rate(of, hit):
         chosen = [c for c in cases if of(c)]
         fifty = [c for c in chosen if c["n"] == 50]
-        return f"{wilson(sum(map(hit, chosen)), len(chosen)):<28}{wilson(sum(map(hit, fifty)), len(fifty))}"
+        return f"{share(sum(map(hit, chosen)), len(chosen)):<28}{share(sum(map(hit, fifty)), len(fifty))}"
 
     def named(c):
         return bool(c["names"]) and c["verdict"] in ("NAMED", "DATA PROBLEM")
@@ -120,9 +166,6 @@ def main():
 
     def wrong(c):  # of two names both must be right
         return named(c) and not (c["both"] if " and " in c["names"] else c["right"])
-
-    def detected(c):
-        return c["verdict"] != "NONE"
 
     def physical(c):
         return c["tier"] in (0, 1)
@@ -160,10 +203,17 @@ def main():
         print(f"place of a local effect, median error        {statistics.median(places):.1f} m of {len(places)}")
 
     print("\npower by delta (tiers 0, 1, 3, 6): detected, of all and of 50 blocks; named or in the printed group, of all and of 50 blocks")
-    for low, high in zip(BINS, BINS[1:]):
-        def inside(c):
-            return c["tier"] in (0, 1, 3, 6) and c["delta"] is not None and low <= c["delta"] < high
-        print(f"  {low:4.2f} to {high:4.2f}  {rate(inside, detected):<56}{rate(lambda c: inside(c) and c['tier'] != 3, lambda c: c['right'])}")
+    for low, high, inside in by_delta(cases):
+        hit = rate(lambda c: c in inside, detected), rate(lambda c: c in inside and c["tier"] != 3, lambda c: c["right"])
+        print(f"  {low:4.2f} to {high:4.2f}  {hit[0]:<56}{hit[1]}")
+
+    print("\npower of each: detected / with its right name / cases, by delta\n  " + " " * 44 + "".join(f"{f'{low:g} to {high:g}':<14}" for low, high in zip(BINS, BINS[1:])))
+    for hidden in sorted({c["hidden"] for c in cases if c["tier"] in ONE_HIDDEN}):
+        cells = []
+        for low, high in zip(BINS, BINS[1:]):
+            inside = [c for c in cases if c["hidden"] == hidden and c["delta"] is not None and low <= c["delta"] < high]
+            cells.append(f"{sum(map(detected, inside))} / {sum(c['right'] for c in inside)} / {len(inside)}" if inside else "-")
+        print(f"  {hidden:<44}" + "".join(f"{cell:<14}" for cell in cells))
 
     print("\nwhat was hidden -> verdicts")
     matrix = collections.defaultdict(collections.Counter)
