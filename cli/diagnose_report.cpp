@@ -200,7 +200,7 @@ std::string diagnose_html(const DiagnoseStudy& study, const std::vector<Figure>&
     std::ostringstream html;
     html << "<p class=\"verdict\">" << escaped(verdict_sentence(study)) << "</p>\n<p>" << study.blocks
          << (study.planning ? " blocks planned" : " measured blocks") << "; " << study.diagnosis.simulated_blocks
-         << " blocks simulated beside the calibrations.</p>\n";
+         << " blocks simulated for the verdict, beside the calibrations.</p>\n";
     std::vector<std::string> audit;
     for (const Finding& f : study.audit) audit.push_back(f.sentence);
     if (!audit.empty()) html << "<h2>What the measurements themselves say</h2>\n" << html_list(audit);

@@ -126,12 +126,24 @@ TEST(Diagnose, NamesAFaultOfTheMeasurementAndWritesAllOfIt) {
 TEST(Diagnose, WithoutTheRightNameItIsUnknownAndNoForce) {
     const TempDir folder;
     const fs::path observed = with_speeds(field_test(folder / "field", 24), folder / "obs", 1.35), out = folder / "out";
-    const Outcome run = diagnose(out, {"--observed", observed.string(), "--set", "diagnosis.rounds=2", "--set",
-                                       without(R"(, "speed_error", "screen_shift")")});
+    const std::vector<std::string> more{"--observed", observed.string(),
+                                        "--set",      "diagnosis.rounds=2",
+                                        "--set",      without(R"(, "speed_error", "screen_shift")")};
+    const Outcome run = diagnose(out, more);
     ASSERT_EQ(run.code, 0) << run.err;
     EXPECT_THAT(run.out, HasSubstr("=> UNKNOWN"));
     EXPECT_THAT(run.out, HasSubstr("no force along the motion explains it"));
     EXPECT_THAT(text_of(out / "site_extended.toml"), Not(HasSubstr("[[effect]]")));
+
+    // the verdict alone, and less to wait for
+    std::vector<std::string> less = more;
+    less.insert(less.end(), {"--set", "diagnosis.further=false"});
+    ASSERT_EQ(diagnose(folder / "less", less).code, 0);
+    const json whole = json::parse(text_of(out / "diagnosis.json"));
+    const json verdict = json::parse(text_of(folder / "less" / "diagnosis.json"));
+    EXPECT_EQ(verdict.at("sentence"), whole.at("sentence"));
+    EXPECT_TRUE(whole.contains("force"));
+    EXPECT_FALSE(verdict.contains("force"));
 }
 
 TEST(Diagnose, FindsNothingInATestOfTheModelItself) {
