@@ -87,10 +87,30 @@ gis::VectorLayer zone_layer(const DiagnosisVariant& variant, std::size_t effect)
     layer.data.fields.push_back({"effect", FieldType::Text, "Effect"});
     Feature feature;
     feature.geometry = variant.place.area->polygons;
-    feature.values.push_back(std::string(effect_info(variant.kind).name));
+    feature.values.push_back(std::string(variant.form()));
     layer.data.features.push_back(std::move(feature));
-    layer.title = std::string("Where ") + effect_info(variant.kind).name + " acts";
+    layer.title = std::string("Where ") + variant.form() + " acts";
     layer.group = "Inputs";
+    return layer;
+}
+
+gis::VectorLayer screens_in_space(const SiteFile& site, const SiteModel& plane) {
+    gis::VectorLayer layer;
+    layer.data.name = kScreensInSpace;
+    layer.data.kind = GeometryKind::LineString;
+    layer.coordinates = gis::Coordinates::XY;
+    layer.data.fields.push_back({"name", FieldType::Text, "Name"});
+    layer.title = "Screens of the 3D model";
+    layer.group = "Inputs";
+    for (const Screen& screen : make_space_model(site, plane).campaign.screens) {
+        if (screen.line.empty()) continue;  // on no profile
+        Polyline line;
+        for (const Vec2& p : screen.line) line.points.emplace_back(p.x(), p.y(), 0.0);
+        Feature feature;
+        feature.geometry = Polylines{line};
+        feature.values.push_back(screen.name);
+        layer.data.features.push_back(std::move(feature));
+    }
     return layer;
 }
 
@@ -117,7 +137,11 @@ gis::ResultsPackage results_of(const DiagnoseStudy& study, const SiteModel& mode
     package.title = study.site.settings.name + ": diagnosis";
     const bool answered = !study.answers.empty();
     const bool judged = !study.planning && !study.before.observables.empty();
-    if (judged) package.vectors = campaign_vectors(model, answered ? study.answers.front().campaign : study.campaign);
+    const bool in_space = answered && study.answers.front().in_space();
+    if (judged)
+        package.vectors =
+            campaign_vectors(model, answered && !in_space ? study.answers.front().campaign : study.campaign);
+    if (in_space && !model.campaign.screens.empty()) package.vectors.push_back(screens_in_space(study.site, model));
     for (std::size_t k = 0; answered && k < study.answers.front().effects.size(); ++k) {
         const DiagnosisVariant& variant = study.answers.front().effects[k].variant;
         if (variant.place.area) package.vectors.push_back(zone_layer(variant, k));

@@ -65,6 +65,7 @@ constexpr Search kSearches[] = {
     {"height_datum", K::HeightDatum, "offset", -0.3, 6.0, Where::Everywhere, "too low"},
 };
 
+constexpr const char* kAbsent = "said to be absent (diagnosis.without)";
 constexpr double kMostForce = 30.0;   ///< largest strength of a force without a name [-]
 constexpr double kLeastSpeed = 0.05;  ///< slower, it does not grow as the speed falls [m/s]
 
@@ -132,7 +133,7 @@ public:
         return std::move(result_);
     }
 
-    DiagnosisCatalogue make() {
+    DiagnosisCatalogue make(const std::string& no_space) {
         for (const Search& search : kSearches) {
             const EffectInfo& info = effect_info(search.kind);
             const std::string reason = reason_against(search, info);
@@ -144,6 +145,7 @@ public:
             }
             add(search, candidate(search.family, info));
         }
+        add_third_dimension(no_space);
         for (const char* line :
              {"net, berm: where they stand is known; draw them into the site and compare",
               "scar_drag: as ground_drag, which is searched; its depth needs impacts that were measured",
@@ -195,11 +197,13 @@ private:
                            [&](const EffectSettings& e) { return e.effect.kind == kind; });
     }
 
+    bool said_to_be_absent(const std::string& name) const {
+        return std::find(s_.diagnosis_without.begin(), s_.diagnosis_without.end(), name) != s_.diagnosis_without.end();
+    }
+
     /// Why an effect is not searched for; empty: it is.
     std::string reason_against(const Search& search, const EffectInfo& info) const {
-        if (std::find(s_.diagnosis_without.begin(), s_.diagnosis_without.end(), search.family) !=
-            s_.diagnosis_without.end())
-            return "said to be absent (diagnosis.without)";
+        if (said_to_be_absent(search.family)) return kAbsent;
         if (has_effect(search.kind)) return "the site has it";
         if (info.limits.needs_impact && s_.dynamics.mode != SteppingMode::Event) return "needs model.mode = \"event\"";
         const bool bounces =
@@ -250,6 +254,21 @@ private:
             to.variants.push_back(on_a_stretch(v));
     }
 
+    void add_third_dimension(const std::string& no_space) {
+        if (!model_.in_plane()) return;
+        const std::string reason = said_to_be_absent(kThirdDimension) ? kAbsent : no_space;
+        if (!reason.empty()) {
+            result_.left_out.push_back(std::string(kThirdDimension) + ": " + reason);
+            return;
+        }
+        DiagnosisVariant v;
+        v.space = true;
+        v.parameter = "share";
+        v.reference = 0.5;
+        v.most = 2.0;
+        result_.candidates.push_back({kThirdDimension, "what a profile leaves out", false, {v}});
+    }
+
     DiagnosisVariant on_a_stretch(DiagnosisVariant v) const {
         v.path = Stretch{0.0, length_};
         return v;
@@ -296,6 +315,7 @@ DiagnosisVariant DiagnosisVariant::on_ground(std::span<const Soil> soils) const 
 }
 
 double DiagnosisVariant::value(double strength) const {
+    if (space) return std::clamp(strength * reference, 0.0, 1.0);
     const EffectParameter& p = effect_parameter(kind, parameter);
     const double neutral = std::isnan(start) ? p.neutral : start;
     double v = 0.0;
@@ -318,6 +338,18 @@ Effect DiagnosisVariant::at(double strength) const {
     return effect;
 }
 
+const char* DiagnosisVariant::form() const {
+    return space ? kThirdDimension : effect_info(kind).name;
+}
+
+const char* DiagnosisVariant::unit() const {
+    return space ? "-" : effect_parameter(kind, parameter).unit;
+}
+
+const char* DiagnosisVariant::seen_in() const {
+    return space ? "where blocks stop beside the profile" : effect_info(kind).seen_in;
+}
+
 std::vector<CandidateEffect> DiagnosisCatalogue::for_core() const {
     std::vector<CandidateEffect> list;
     for (const DiagnosisCandidate& c : candidates) {
@@ -332,6 +364,7 @@ void check_absent_effects(const SiteSettings& settings) {
     std::vector<std::string> families;
     for (const Search& search : kSearches)
         if (families.empty() || families.back() != search.family) families.emplace_back(search.family);
+    families.emplace_back(kThirdDimension);
     for (const std::string& name : settings.diagnosis_without) {
         if (std::find(families.begin(), families.end(), name) != families.end()) continue;
         std::string names;
@@ -344,8 +377,9 @@ DiagnosisCatalogue make_forces(const SiteFile& calibrated, const SiteModel& mode
     return Catalogue(calibrated, model, observed).forces();
 }
 
-DiagnosisCatalogue make_candidates(const SiteFile& calibrated, const SiteModel& model, const ObservedSite& observed) {
-    return Catalogue(calibrated, model, observed).make();
+DiagnosisCatalogue make_candidates(const SiteFile& calibrated, const SiteModel& model, const ObservedSite& observed,
+                                   const std::string& no_space) {
+    return Catalogue(calibrated, model, observed).make(no_space);
 }
 
 }  // namespace scree::cli

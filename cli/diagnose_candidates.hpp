@@ -29,13 +29,19 @@ struct DiagnosisVariant {
 
     SoilId ground = 0;  ///< soil in the middle of `place`, which a soil patch changes
     std::optional<Effect>
-        probe;  ///< what acts where the catalogue has no effect for it, but for `parameter` and `place`
+        probe;           ///< what acts where the catalogue has no effect for it, but for `parameter` and `place`
+    bool space = false;  ///< no effect, but blocks of a 2D model that move in 3D; the strength is twice their share
 
     /// The same with `start` as these soils have it: where parameters of soils move, so does what changes nothing.
     DiagnosisVariant on_ground(std::span<const Soil> soils) const;
     /// Value of the parameter: where the effect vanishes at 0, `reference` at 1.
     double value(double strength) const;
+    /// Not of `space`.
     Effect at(double strength) const;
+    /// Name of the catalogue.
+    const char* form() const;
+    const char* unit() const;
+    const char* seen_in() const;
 };
 
 /// A family of effects that differ in their formula only, and that no field test tells apart: named together.
@@ -63,8 +69,11 @@ struct DiagnosisCatalogue {
 /// Names in diagnosis.without must be those of effects that are searched for. Throws InputError.
 void check_absent_effects(const SiteSettings& settings);
 
-/// Everything of the effects' catalogue that this site and test can be searched for. Effects that the site has already are left out.
-DiagnosisCatalogue make_candidates(const SiteFile& calibrated, const SiteModel& model, const ObservedSite& observed);
+/// Everything of the effects' catalogue that this site and test can be searched for, and of a 2D model the third dimension, if nothing stands against it.
+/// Effects that the site has already are left out.
+DiagnosisCatalogue make_candidates(const SiteFile& calibrated, const SiteModel& model, const ObservedSite& observed,
+                                   const std::string& no_space);
+inline constexpr const char* kThirdDimension = "third_dimension";
 
 /// Forces without a name, for what has none: they say in which phase of the motion, at which speeds, masses and places something is missing. As candidates:
 /// against the motion while the block touches the ground, growing with powers of speed and of mass (each of kSpeedPowers with each of kMassPowers); the same all

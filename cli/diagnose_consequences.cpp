@@ -159,6 +159,7 @@ std::vector<Figure> consequence_figures(const DiagnoseStudy& study, const SiteMo
                                         const ObservedSite& observed) {
     const AnswerFit* answer = answer_on_blocks(study);
     if (!answer) return {};
+    if (answer->in_space()) return {};  // a profile and a map are not put side by side
     if (model.in_plane()) return {along_profile(study, *answer, model)};
     std::vector<Figure> maps{reach_map("calibrated model", model, observed, study.campaign),
                              reach_map("with " + answer->name(), model, observed, answer->campaign)};

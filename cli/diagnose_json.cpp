@@ -22,15 +22,15 @@ using Json = nlohmann::ordered_json;
 Json finding_json(const DiagnoseStudy& study, const EffectFinding& f) {
     const DiagnosisVariant v = study.variant_of(f);
     Json json{{"effect", study.candidate_of(f).name},
-              {"form", effect_info(v.kind).name},
+              {"form", v.form()},
               {"label", v.label},
               {"measurement", study.candidate_of(f).measurement},
               {"z", f.z},
               {"visibility_at_reference", f.visibility},
-              {"reference", {{"parameter", v.parameter}, {"unit", unit_of(v)}, {"value", v.reference}}}};
+              {"reference", {{"parameter", v.parameter}, {"unit", v.unit()}, {"value", v.reference}}}};
     if (std::isfinite(f.smallest_seen)) {
         const DiagnosisVariant seen = study.catalogue.variant(f.effect, f.seen_variant, f.seen_on);
-        json["smallest_seen"] = {{"form", effect_info(seen.kind).name},
+        json["smallest_seen"] = {{"form", seen.form()},
                                  {"label", seen.label},
                                  {"parameter", seen.parameter},
                                  {"value", seen.value(f.smallest_seen)}};
@@ -53,10 +53,10 @@ Json answer_json(const DiagnoseStudy& study, const AnswerFit& a, const AnsweredE
     const DiagnosisVariant& v = e.variant;
     const double low = v.value(e.interval.low), high = v.value(e.interval.high);
     Json json{{"effect", e.candidate->name},
-              {"form", effect_info(v.kind).name},
+              {"form", v.form()},
               {"label", v.label},
               {"parameter", v.parameter},
-              {"unit", unit_of(v)},
+              {"unit", v.unit()},
               {"value", v.value(e.strength)},
               {"interval_95", ends_of({std::min(low, high), std::max(low, high)})},
               {"together", a.effects.size() > 1},

@@ -42,6 +42,22 @@ Interval strength_range(const AnsweredEffect& e) {
     return {std::max(f.strength - reach, 0.0), std::min(f.strength + reach, e.variant.most)};
 }
 
+/// How many strengths a refit has to find.
+std::size_t strengths_of(const std::vector<AnsweredEffect>& effects) {
+    return static_cast<std::size_t>(
+        std::count_if(effects.begin(), effects.end(), [](const AnsweredEffect& e) { return e.has_strength(); }));
+}
+
+bool in_space(const std::vector<AnsweredEffect>& effects) {
+    return strengths_of(effects) < effects.size();
+}
+
+/// What acts in a simulation beside the site's own effects.
+struct Acting {
+    std::vector<Effect> effects;
+    double in_space = 0.0;  ///< share of the blocks [-]
+};
+
 class Runner {
 public:
     Runner(const DiagnoseInput& input, DiagnoseStudy& study)
@@ -52,7 +68,8 @@ public:
         if (study_.interrupted) return;
         study_.before = compared(study_.baseline, {}, study_.campaign);
         if (study_.interrupted) return;
-        study_.catalogue = make_candidates(test_.site_at(study_.baseline.point), in_.model, in_.observed);
+        study_.catalogue =
+            make_candidates(test_.site_at(study_.baseline.point), in_.model, in_.observed, test_.no_space());
         study_.diagnosis = diagnose(problem(study_.baseline, study_.catalogue), measured(), study_.settings,
                                     simulation(study_.baseline, study_.catalogue), reporter());
         study_.interrupted = study_.diagnosis.interrupted;
@@ -139,7 +156,7 @@ public:
         for (const CalibrationParameter& p : study_.keys.problem.parameters) as_given.point.values.push_back(p.start);
         for (const CalibrationChoice& c : study_.keys.problem.choices) as_given.point.levels.push_back(c.start);
         study_.baseline = as_given;
-        study_.catalogue = make_candidates(test_.site_at(as_given.point), in_.model, in_.observed);
+        study_.catalogue = make_candidates(test_.site_at(as_given.point), in_.model, in_.observed, test_.no_space());
         study_.diagnosis = scree::plan_test(problem(as_given, study_.catalogue), measured(), study_.settings,
                                             simulation(as_given, study_.catalogue), reporter());
         study_.interrupted = study_.diagnosis.interrupted;
@@ -180,13 +197,17 @@ private:
         return p;
     }
 
-    static std::vector<Effect> effects_of(const std::vector<EffectDose>& doses, const DiagnosisCatalogue& catalogue,
-                                          const SiteFile& site) {
-        std::vector<Effect> effects;
-        for (const EffectDose& d : doses)
-            effects.push_back(
-                catalogue.variant(d.effect, d.variant, d.on).on_ground(site.settings.soils).at(d.strength));
-        return effects;
+    static Acting acting_of(const std::vector<EffectDose>& doses, const DiagnosisCatalogue& catalogue,
+                            const SiteFile& site) {
+        Acting acting;
+        for (const EffectDose& d : doses) {
+            const DiagnosisVariant variant = catalogue.variant(d.effect, d.variant, d.on);
+            if (variant.space)
+                acting.in_space = variant.value(d.strength);
+            else
+                acting.effects.push_back(variant.on_ground(site.settings.soils).at(d.strength));
+        }
+        return acting;
     }
 
     DiagnosisSimulation simulation(const CalibratedModel& model, const DiagnosisCatalogue& catalogue) const {
@@ -208,17 +229,18 @@ private:
             for (const std::size_t level : levels) words << level << " ";
             for (const EffectDose& d : task.effects) {
                 const DiagnosisVariant& v = catalogue.candidates[d.effect].variants[d.variant];
-                words << effect_info(v.kind).name << " " << v.label << " " << v.parameter << " " << d.strength << " ";
+                words << v.form() << " " << v.label << " " << v.parameter << " " << d.strength << " ";
                 if (d.on) words << d.on->from << " " << d.on->to << " ";
             }
             words << task.seed << " " << task.repeats;
             if (auto kept = in_.store.find(words.str())) return kept;
             const SiteFile site = test_.site_at(point);
-            const std::vector<Effect> effects = effects_of(task.effects, catalogue, site);
-            const CampaignResult campaign = test.run(site, task.seed, task.repeats, effects);
+            const Acting acting = acting_of(task.effects, catalogue, site);
+            const CampaignResult campaign =
+                test.run(site, task.seed, task.repeats, acting.effects, false, acting.in_space);
             if (campaign.interrupted) return std::nullopt;
             ObservationTable table =
-                simulated_table(campaign, observed.observations, with_faults(observed, effects).op, task.seed);
+                simulated_table(campaign, observed.observations, with_faults(observed, acting.effects).op, task.seed);
             in_.store.keep(words.str(), table);
             return table;
         };
@@ -227,11 +249,12 @@ private:
     /// The effects at the strengths that are the last parameters of a point.
     std::vector<Effect> dosed(const std::vector<AnsweredEffect>& effects, const CalibrationPoint& point) const {
         std::vector<Effect> all;
-        if (effects.empty()) return all;
-        const SiteFile site = test_.site_at(without_strengths(point, effects.size()));
-        const std::size_t first = point.values.size() - effects.size();
-        for (std::size_t k = 0; k < effects.size(); ++k)
-            all.push_back(effects[k].variant.on_ground(site.settings.soils).at(point.values[first + k]));
+        const std::size_t strengths = strengths_of(effects);
+        if (strengths == 0) return all;
+        const SiteFile site = test_.site_at(without_strengths(point, strengths));
+        std::size_t next = point.values.size() - strengths;
+        for (const AnsweredEffect& e : effects)
+            if (e.has_strength()) all.push_back(e.variant.on_ground(site.settings.soils).at(point.values[next++]));
         return all;
     }
     static CalibrationPoint without_strengths(CalibrationPoint point, std::size_t count) {
@@ -246,7 +269,10 @@ private:
         CalibrationProblem problem = study_.keys.problem;
         for (std::size_t k = 0; k < begin.size(); ++k)
             problem.parameters[k].start = from_unit(problem.parameters[k], begin[k]);
+        const double space = in_space(effects) ? 1.0 : 0.0;
+        const std::size_t strengths = strengths_of(effects);
         for (const AnsweredEffect& e : effects) {
+            if (!e.has_strength()) continue;
             const Interval range = strength_range(e);
             problem.parameters.push_back(
                 {"strength of " + e.candidate->name, range.low, range.high, e.finding.strength, false});
@@ -260,15 +286,15 @@ private:
         JournalFile journal(file, journal_subject(name), std::filesystem::exists(file, ignored));
         CalibrationJournal all = std::move(journal.journal);
         const bool faulty = std::any_of(effects.begin(), effects.end(), [](const AnsweredEffect& e) {
-            return effect_info(e.variant.kind).hook == EffectHook::Measurement;
+            return e.has_strength() && effect_info(e.variant.kind).hook == EffectHook::Measurement;
         });
         CalibratedModel model;
         model.result = calibrate(
             problem, study_.search,
             [&](const CalibrationTask& task) -> std::optional<SimulatedLoss> {
                 const std::vector<Effect> acting = dosed(effects, task.point);
-                const CampaignResult campaign = test_.run(test_.site_at(without_strengths(task.point, effects.size())),
-                                                          task.seed, task.repeats, acting);
+                const CampaignResult campaign = test_.run(test_.site_at(without_strengths(task.point, strengths)),
+                                                          task.seed, task.repeats, acting, false, space);
                 if (campaign.interrupted) return std::nullopt;
                 if (!faulty) return loss(campaign, task.seed);
                 const CalibrationLoss of_faulty(
@@ -283,8 +309,8 @@ private:
         study_.interrupted = model.result.interrupted;
         if (study_.interrupted) return model;
         const std::vector<double>& best = model.result.best.values;
-        model.strengths.assign(best.end() - static_cast<std::ptrdiff_t>(effects.size()), best.end());
-        model.point = without_strengths(model.result.best, effects.size());
+        model.strengths.assign(best.end() - static_cast<std::ptrdiff_t>(strengths), best.end());
+        model.point = without_strengths(model.result.best, strengths);
         model.evaluations = all.size();
         return model;
     }
@@ -293,8 +319,8 @@ private:
                           CampaignResult& campaign) {
         const std::vector<Effect> acting = dosed(effects, model.result.best);
         const SiteFile site = test_.site_at(model.point);
-        campaign =
-            test_.run(site, static_cast<std::uint64_t>(site.settings.seed), study_.search.final_repeats, acting, true);
+        campaign = test_.run(site, static_cast<std::uint64_t>(site.settings.seed), study_.search.final_repeats, acting,
+                             true, in_space(effects) ? 1.0 : 0.0);
         study_.interrupted = campaign.interrupted;
         if (campaign.interrupted) return {};
         CompareStudy compared = make_study(site, in_.model, with_faults(in_.observed, acting), campaign);
@@ -306,20 +332,24 @@ private:
         AnswerFit fit;
         std::string name;
         for (const EffectFinding& f : findings) {
-            fit.effects.push_back({&study_.candidate_of(f), study_.variant_of(f), f, 0.0, {}});
+            const DiagnosisVariant& v = study_.variant_of(f);
+            fit.effects.push_back({&study_.candidate_of(f), v, f, v.most, {v.most, v.most}});
             name +=
                 (name.empty() ? "" : "_and_") + fit.effects.back().candidate->name + "_" + std::to_string(f.variant);
         }
         fit.model = calibrated(name, fit.effects, findings.front().parameters);
         if (study_.interrupted) return;
-        const std::size_t first = fit.model.result.parameters.size() - fit.effects.size();
+        const std::size_t first = fit.model.result.parameters.size() - fit.model.strengths.size();
         const SiteFile site = test_.site_at(fit.model.point);
-        for (std::size_t k = 0; k < fit.effects.size(); ++k) {
-            fit.effects[k].variant = fit.effects[k].variant.on_ground(site.settings.soils);
-            fit.effects[k].strength = fit.model.strengths[k];
-            fit.effects[k].interval = std::isfinite(findings[k].strength_deviation)
-                                          ? strength_range(fit.effects[k])
-                                          : fit.model.result.parameters[first + k].interval;
+        std::size_t next = 0;
+        for (AnsweredEffect& e : fit.effects) {
+            if (!e.has_strength()) continue;
+            e.variant = e.variant.on_ground(site.settings.soils);
+            e.strength = fit.model.strengths[next];
+            e.interval = std::isfinite(e.finding.strength_deviation)
+                             ? strength_range(e)
+                             : fit.model.result.parameters[first + next].interval;
+            ++next;
         }
         fit.study = compared(fit.model, fit.effects, fit.campaign);
         study_.answers.push_back(std::move(fit));
@@ -353,6 +383,10 @@ std::string AnswerFit::name() const {
     std::string text;
     for (const AnsweredEffect& e : effects) text += (text.empty() ? "" : " and ") + e.candidate->name;
     return text;
+}
+
+bool AnswerFit::in_space() const {
+    return cli::in_space(effects);
 }
 
 std::string zone_name(std::size_t effect) {
@@ -429,10 +463,25 @@ void plan_study(const DiagnoseInput& input, DiagnoseStudy& study) {
     Runner(input, study).plan_test();
 }
 
+/// The screens stand in a layer of their own, those that were given by their chainage as well.
+static void put_in_space(SiteSettings& settings) {
+    settings.dimension = 3;
+    if (settings.observed.axis == AxisChoice::Automatic) settings.observed.axis = AxisChoice::Profile;
+    if (settings.screens.file.empty() && settings.screen_chainages.empty()) return;
+    settings.screens.file = "results.gpkg";
+    settings.screens.layer = kScreensInSpace;
+    settings.screens.field = "name";
+    settings.screen_chainages.clear();
+}
+
 SiteFile extended_site(const DiagnoseStudy& study, const AnswerFit& answer) {
     SiteFile site = with_changes(study.site, study.keys.changes(answer.model.point));
     for (std::size_t k = 0; k < answer.effects.size(); ++k) {
         const AnsweredEffect& e = answer.effects[k];
+        if (e.variant.space) {
+            put_in_space(site.settings);
+            continue;
+        }
         EffectSettings entry;
         entry.effect = e.variant.at(e.strength);
         entry.soil = e.variant.soil;

@@ -16,7 +16,7 @@ namespace scree::cli {
 /// A model that was calibrated, with or without effects: their strengths are the last parameters.
 struct CalibratedModel {
     CalibrationPoint point;         ///< of the free keys
-    std::vector<double> strengths;  ///< of the effects [-]
+    std::vector<double> strengths;  ///< of the effects that have one [-]
     CalibrationResult result;
     std::size_t evaluations = 0;  ///< simulations that it took [-]
 };
@@ -26,11 +26,12 @@ struct AnsweredEffect {
     const DiagnosisCandidate* candidate = nullptr;
     DiagnosisVariant variant;  ///< on the ground that the refit ended with
     EffectFinding finding;
-    double strength = 0.0;  ///< refitted [-]
-    Interval interval;      ///< 95 % of it, as the residuals of the test say, within which the refit stays [-]
+    double strength = 0.0;  ///< refitted, if it has one [-]
+    bool has_strength() const { return !variant.space; }
+    Interval interval;  ///< 95 % of it, as the residuals of the test say, within which the refit stays [-]
 };
 
-/// An answer, refitted: one effect, or two that act together.
+/// An answer, refitted: one effect, or two that act together. The third dimension is there or not, without a strength to fit.
 struct AnswerFit {
     std::vector<AnsweredEffect> effects;
     CalibratedModel model;
@@ -38,6 +39,7 @@ struct AnswerFit {
     CampaignResult campaign;
 
     double weight() const { return effects.front().finding.weight; }
+    bool in_space() const;     ///< the model is 2D, and the answer is 3D
     std::string name() const;  ///< "ground_drag and air_drag"
 };
 
@@ -113,6 +115,8 @@ void plan_study(const DiagnoseInput& input, DiagnoseStudy& study);
 
 /// Where an effect acts lies beside the results, in a layer of this name, if it acts in a place.
 std::string zone_name(std::size_t effect);
+/// The layer of the screens of a 3D answer to a 2D model.
+inline constexpr const char* kScreensInSpace = "screens_3d";
 /// The site with the calibrated values and the effects, as it would be simulated.
 SiteFile extended_site(const DiagnoseStudy& study, const AnswerFit& answer);
 

@@ -34,19 +34,16 @@ std::string with_unit(double value, const std::string& unit) {
 
 }  // namespace
 
-const char* unit_of(const DiagnosisVariant& v) {
-    return effect_parameter(v.kind, v.parameter).unit;
-}
-
 std::string variant_name(const DiagnosisVariant& v) {
-    const std::string name = effect_info(v.kind).name;
+    const std::string name = v.form();
     return v.label.empty() ? name : name + ", " + v.label;
 }
 
 std::string strength_text(const AnsweredEffect& e) {
     const DiagnosisVariant& v = e.variant;
+    if (v.space) return "the blocks move in 3D";
     const double a = v.value(e.interval.low), b = v.value(e.interval.high);
-    std::string text = v.parameter + " " + with_unit(v.value(e.strength), unit_of(v)) +
+    std::string text = v.parameter + " " + with_unit(v.value(e.strength), v.unit()) +
                        " (95 %: " + short_number(std::min(a, b)) + " to " + short_number(std::max(a, b)) + ")";
     if (v.on) {
         const Interval middle = middle_interval(e);
@@ -71,7 +68,7 @@ std::string held_out_text(const CalibratedModel& m) {
 std::string smallest_seen(const DiagnoseStudy& study, const EffectFinding& f) {
     if (!std::isfinite(f.smallest_seen)) return "not visible";
     const DiagnosisVariant v = study.catalogue.variant(f.effect, f.seen_variant, f.seen_on);
-    return variant_name(v) + ": " + v.parameter + " " + with_unit(v.value(f.smallest_seen), unit_of(v));
+    return variant_name(v) + ": " + v.parameter + " " + with_unit(v.value(f.smallest_seen), v.unit());
 }
 
 std::string look_alikes(const DiagnoseStudy& study, const EffectFinding& f) {
@@ -235,6 +232,9 @@ std::vector<std::string> where_sentences(const DiagnoseStudy& study) {
 static std::string transfer(const DiagnoseStudy& study, const AnsweredEffect& e) {
     if (e.candidate->measurement)
         return e.candidate->name + " is a matter of this test: it says nothing of other slopes";
+    if (e.variant.space)
+        return "what is missing is the third dimension: go on with site_extended.toml, which is 3D, and diagnose it, "
+               "too";
     if (e.variant.on)
         return e.candidate->name +
                " belongs to that place: elsewhere look for its cause on the ground, and keep it out "
@@ -267,6 +267,20 @@ static std::string tested_elsewhere(const DiagnoseStudy& study) {
     return text;
 }
 
+/// What a 2D model leaves out; empty where that is the answer.
+static std::string sideways_remark(const DiagnoseStudy& study) {
+    for (const AnswerFit& a : study.answers)
+        if (a.in_space()) return "";
+    std::string known;
+    for (const EffectFinding& f : study.diagnosis.findings)
+        if (study.variant_of(f).space) known = "third_dimension has weight " + weight_text(f.weight);
+    if (study.beside > kWorthTelling)
+        known += (known.empty() ? "" : "; ") + ("the stops lie " + short_number(study.beside)) +
+                 " m to the sides of the axis, in standard deviations";
+    return "the model is 2D: what blocks do sideways can look like an effect; confirm with model.dimension = 3" +
+           (known.empty() ? "" : " (" + known + ")");
+}
+
 std::vector<std::string> diagnose_remarks(const DiagnoseStudy& study) {
     std::vector<std::string> remarks;
     const auto& parameters = study.keys.problem.parameters;
@@ -287,7 +301,7 @@ std::vector<std::string> diagnose_remarks(const DiagnoseStudy& study) {
     for (const AnswerFit& a : study.answers) {
         if (study.verdict == Verdict::Unknown) break;
         for (const AnsweredEffect& e : a.effects)
-            if (e.strength > (1.0 - kInRange) * e.variant.most)
+            if (!e.variant.space && e.strength > (1.0 - kInRange) * e.variant.most)
                 remarks.push_back("the strength of " + e.candidate->name + " lies at the end of what was searched");
         if (!study.baseline.result.folds.empty() &&
             !(a.model.result.held_out.loss < study.baseline.result.held_out.loss))
@@ -303,14 +317,11 @@ std::vector<std::string> diagnose_remarks(const DiagnoseStudy& study) {
     if (study.verdict == Verdict::Group)
         for (const AnswerFit& a : study.answers)
             for (const AnsweredEffect& e : a.effects)
-                remarks.push_back(e.candidate->name + " would show in " + effect_info(e.variant.kind).seen_in);
-    if (study.in_plane && !study.planning && study.verdict != Verdict::None)
-        remarks.push_back(
-            "the model is 2D: what blocks do sideways can look like an effect; confirm with "
-            "model.dimension = 3" +
-            (study.beside > kWorthTelling ? " (the stops lie " + short_number(study.beside) +
-                                                " m to the sides of the axis, in standard deviations)"
-                                          : std::string()));
+                remarks.push_back(e.candidate->name + " would show in " + e.variant.seen_in());
+    if (study.in_plane && !study.planning && study.verdict != Verdict::None) {
+        const std::string sideways = sideways_remark(study);
+        if (!sideways.empty()) remarks.push_back(sideways);
+    }
     if (study.verdict == Verdict::Named)
         remarks.push_back("the name is the best of " + std::to_string(study.catalogue.candidates.size()) +
                           " that were searched");

@@ -11,14 +11,23 @@ namespace scree::cli {
 
 FieldTest::FieldTest(const SiteFile& site, const SiteModel& model, const ObservedSite& observed, const FreeKeys& keys,
                      int threads)
-    : site_(site), observed_(observed), keys_(keys), input_(model.campaign) {
-    input_.threads = threads;
-    input_.kept_trajectories = 0;
+    : site_(site), observed_(observed), keys_(keys), input_(model.campaign), space_(make_space_model(site, model)) {
+    for (CampaignInput* input : {&input_, &space_.campaign}) {
+        input->threads = threads;
+        input->kept_trajectories = 0;
+    }
 }
 
 CampaignResult FieldTest::run(const SiteFile& candidate, std::uint64_t seed, std::int64_t repeats,
-                              std::span<const Effect> more, bool passages) const {
-    CampaignInput input = input_;
+                              std::span<const Effect> more, bool passages, double in_space) const {
+    if (in_space >= 1.0) return run_input(space_.campaign, candidate, seed, repeats, more, passages);
+    CampaignResult plane = run_input(input_, candidate, seed, repeats, more, passages);
+    if (in_space <= 0.0 || plane.interrupted) return plane;
+    return mixed(plane, run_input(space_.campaign, candidate, seed, repeats, more, false), in_space, seed);
+}
+
+CampaignResult FieldTest::run_input(CampaignInput input, const SiteFile& candidate, std::uint64_t seed,
+                                    std::int64_t repeats, std::span<const Effect> more, bool passages) const {
     input.passages = passages;
     SiteFile site = candidate;
     site.settings.observed.repeats = repeats;

@@ -3,6 +3,7 @@
 
 #include "cli/free_keys.hpp"
 #include "cli/observed_site.hpp"
+#include "cli/space_model.hpp"
 
 #include <span>
 
@@ -15,16 +16,22 @@ public:
               int threads);
 
     SiteFile site_at(const CalibrationPoint& point) const { return with_changes(site_, keys_.changes(point)); }
-    /// Throws every measured block `repeats` times. `more`: effects beside those of the site. `passages`: statistics of the cells, too. Interrupted by
-    /// Ctrl-C.
+    /// Throws every measured block `repeats` times. `more`: effects beside those of the site. `passages`: statistics of the cells, too. `in_space`: of a 2D
+    /// model, this share of the blocks moves in 3D. Interrupted by Ctrl-C.
     CampaignResult run(const SiteFile& candidate, std::uint64_t seed, std::int64_t repeats,
-                       std::span<const Effect> more = {}, bool passages = false) const;
+                       std::span<const Effect> more = {}, bool passages = false, double in_space = 0.0) const;
+    /// Why there is no 3D model of the same; empty: there is.
+    const std::string& no_space() const { return space_.none; }
 
 private:
+    CampaignResult run_input(CampaignInput input, const SiteFile& candidate, std::uint64_t seed, std::int64_t repeats,
+                             std::span<const Effect> more, bool passages) const;
+
     const SiteFile& site_;
     const ObservedSite& observed_;
     const FreeKeys& keys_;
     CampaignInput input_;
+    SpaceModel space_;
 };
 
 /// The same test measured in a way that has these faults, too.

@@ -410,7 +410,7 @@ class Case:
             reached = anew((), tuple(self.fault), settle=True)
             truth["hidden"].append({"name": self.fault[0], "families": families, "strength": self.fault[1], "delta": reached, "at": None})
         if self.tier == 4:
-            truth["hidden"].append({"name": "three dimensions", "families": [], "strength": None, "delta": None, "at": None})
+            truth["hidden"].append({"name": "three dimensions", "families": ["third_dimension"], "strength": None, "delta": None, "at": None})
         effects = [text(q, self.at) for _, (_, _, _, text), q in self.effects]
         values, ids = self.throw(work, self.n, int(self.random.integers(1, 2 ** 31)), None, effects, 3 if self.tier == 4 else 2, every=True)
         measured = self.measure(values, self.random, tuple(self.fault) if self.fault else None)

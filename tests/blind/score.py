@@ -189,7 +189,8 @@ def main():
     print("two effects, detected: a name is right      ", rate(lambda c: c["tier"] == 2 and detected(c), lambda c: c["right"]))
     print("two effects, detected: both are named       ", rate(lambda c: c["tier"] == 2 and detected(c), lambda c: c["both"]))
     print("two names said, both are right              ", rate(lambda c: " and " in c["names"], lambda c: c["both"]))
-    print("3D under a 2D model: a name                 ", rate(lambda c: c["tier"] == 4, named))
+    print("3D under a 2D model: a wrong name           ", rate(lambda c: c["tier"] == 4, wrong))
+    print("3D under a 2D model, detected: right         ", rate(lambda c: c["tier"] == 4 and detected(c), lambda c: c["right"]))
     print("fault of measurement, detected: right       ", rate(lambda c: c["tier"] == 6 and detected(c), lambda c: c["right"]))
     closed = [c["closed"] for c in cases if strong(c) and c["right"] and c["closed"] is not None]
     if closed:

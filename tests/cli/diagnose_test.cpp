@@ -24,7 +24,7 @@ namespace fs = std::filesystem;
 /// Less to simulate: what is not asked for is not searched for, and what else.
 std::string without(const std::string& more = "") {
     return R"(diagnosis.without=["soil_patch", "low_friction", "forest_drag", "slip_friction", "rolling_size", "restitution_mass", )"
-           R"("restitution_half_speed", "fragmentation", "release_motion", "block_shape", "roughness")" +
+           R"("restitution_half_speed", "fragmentation", "release_motion", "block_shape", "roughness", "third_dimension")" +
            more + "]";
 }
 
@@ -168,6 +168,34 @@ TEST(Diagnose, FindsNothingInATestOfTheModelItself) {
     ASSERT_EQ(resumed.code, 0) << resumed.err;
     EXPECT_THAT(differing_files(out, again), IsEmpty());
     EXPECT_FALSE(fs::exists(journal));
+}
+
+TEST(Diagnose, WhatAProfileLeavesOutHasAName) {
+    const TempDir folder;
+    const fs::path out = folder / "out", field = field_test(folder / "field", 40, 3);
+    const Outcome run = diagnose(
+        out, {"--observed", field.string(), "--set", "diagnosis.reference_repeats=60", "--set", "diagnosis.repeats=25",
+              "--set", "diagnosis.rounds=3", "--set",
+              R"(diagnosis.without=["soil_patch", "low_friction", "forest_drag", "slip_friction", )"
+              R"("rolling_size", "restitution_mass", "restitution_half_speed", "fragmentation", )"
+              R"("release_motion", "roughness", "rolling_speed", "slow_missed", "broken_block", "screen_shift"])"});
+    ASSERT_EQ(run.code, 0) << run.err;
+    EXPECT_THAT(run.out, HasSubstr("=> NAMED: third_dimension"));
+    EXPECT_THAT(run.out, HasSubstr("the blocks move in 3D"));
+    EXPECT_THAT(run.out, Not(HasSubstr("confirm with model.dimension = 3"))) << "that is the answer";
+    const json answer = json::parse(text_of(out / "diagnosis.json")).at("answer").at(0);
+    EXPECT_EQ(answer.at("effect"), "third_dimension");
+    EXPECT_EQ(answer.at("value"), 1.0) << "of the blocks";
+
+    const fs::path extended = out / "site_extended.toml";
+    EXPECT_THAT(text_of(extended), HasSubstr("dimension = 3"));
+    const Outcome check = scree_program({"check", extended.string()});
+    EXPECT_EQ(check.code, 0) << check.err;
+    const Outcome again =
+        scree_program({"run", extended.string(), "--output", (folder / "again").string(), "--set", "release.count=20"});
+    ASSERT_EQ(again.code, 0) << again.err;
+    EXPECT_FALSE(read_points(folder / "again" / "results.gpkg", "screen_crossings").empty())
+        << "the screens stand in space";
 }
 
 TEST(Diagnose, InSpaceItHasMaps) {
