@@ -89,6 +89,7 @@ private:
     std::optional<Fingerprint> take_fingerprint(const EffectDose& dose, std::int64_t repeats);
     bool take_fingerprints();
     bool visible(std::size_t fingerprint, const ScoreResult& score) const;
+    bool visible_anywhere(std::size_t first_strip, const ScoreResult& score) const;
     std::optional<std::vector<Fingerprint>> take_parts(std::size_t first_strip, const ScoreResult& score);
     bool look_closer(Diagnosis& d);
     void judge(Diagnosis& d) const;
@@ -161,7 +162,8 @@ private:
         const EffectDose &of_a = variants_[a.fingerprint], &of_b = variants_[b.fingerprint];
         return of_a.effect == of_b.effect && of_a.variant == of_b.variant;
     }
-    bool pursue(Pursuit& p, double& least);
+    bool hopeless(const Pursuit& p, double least) const;
+    bool pursue(std::vector<Pursuit>& pursuits, double& least);
     bool follow_best(std::vector<Hypothesis> chosen, std::vector<Hypothesis>& followed);
     bool decide_close_race(std::vector<Hypothesis>& followed);
     /// For simulations that are many together, or a first look.
@@ -189,6 +191,7 @@ private:
     std::vector<EffectDose>
         variants_;  ///< of all effects, at the reference strength; at the end places that a closer look has found
     std::vector<double> place_spread_;  ///< of the middle of each of these, as the closer look has it [m]
+    std::vector<double> taken_at_;      ///< strength that the fingerprint of each was last taken at [-]
     std::size_t planned_variants_ = 0;  ///< those before these: the measurements had no part in choosing them
     /// A simulation near a model, for derivatives.
     struct Nearby {
@@ -206,9 +209,10 @@ private:
         std::optional<ScoreTest> test;  ///< with the fingerprints
     };
     Base base_;
-    Eigen::VectorXd deviation_;        ///< of the parameters before the test: of their ranges
-    double left_without_ = kInfinity;  ///< by the model without effects, where it was followed best [-]
-    bool planning_ = false;            ///< nothing was measured yet
+    Eigen::VectorXd deviation_;                ///< of the parameters before the test: of their ranges
+    std::vector<Hypothesis> searched_widely_;  ///< ways to act, whatever their place
+    double left_without_ = kInfinity;          ///< by the model without effects, where it was followed best [-]
+    bool planning_ = false;                    ///< nothing was measured yet
     std::size_t done_ = 0, planned_ = 0;
     std::int64_t simulated_ = 0;
     std::uint64_t next_seed_ = 0;

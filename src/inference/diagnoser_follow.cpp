@@ -6,6 +6,7 @@
 #include "scree/base/random.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numeric>
 
@@ -25,8 +26,8 @@ constexpr int kSurveysOnTheWay = 15, kWithoutBetterOnTheWay = 4;
 constexpr double kComparable = 0.7;
 /// Steps so many times as long as those that the survey asks for are wide [-].
 constexpr double kWideStep = 2.0;
-/// A search all over the ranges: generations of every form, and of those that leave least; standard deviation of the first one, of the ranges [-].
-constexpr int kFirstGenerations = 12, kGenerations = 40;
+/// A search all over the ranges: generations of every form, then of the better half, and so on; standard deviation of the first one, of the ranges [-].
+constexpr std::array kGenerations{6, 6, 12, 16};
 constexpr double kWidely = 0.3;
 /// How far beyond a survey its derivatives are trusted [steps].
 constexpr double kTrust = 4.0;
@@ -506,11 +507,11 @@ Hypothesis Diagnoser::found_by(const WideSearch& w) const {
 
 std::optional<Hypothesis> Diagnoser::search_without() {
     WideSearch w = search_for({});
-    if (!search(w, kGenerations)) return std::nullopt;
+    if (!search(w, std::reduce(kGenerations.begin(), kGenerations.end()))) return std::nullopt;
     return found_by(w);
 }
 
-/// Every form of the effects that were chosen by some generations, and those that leave least to the end.
+/// Every form of the effects that were chosen; after some generations the better half of them goes on, and so to the end. Once each: it depends little on the base.
 bool Diagnoser::search_widely(const std::vector<Hypothesis>& chosen, std::vector<Hypothesis>& found) {
     const ScoreResult score = (*base_.test)(base_.observed);
     std::vector<WideSearch> ways;
@@ -520,19 +521,21 @@ bool Diagnoser::search_widely(const std::vector<Hypothesis>& chosen, std::vector
             return variants_[c.fingerprint].effect == variants_[k].effect;
         };
         if (!visible(k, score) || std::none_of(chosen.begin(), chosen.end(), of_effect) ||
-            std::any_of(ways.begin(), ways.end(), [&](const WideSearch& w) { return same_way(w.h, h); }))
+            std::any_of(searched_widely_.begin(), searched_widely_.end(),
+                        [&](const Hypothesis& known) { return same_way(known, h); }))
             continue;
+        searched_widely_.push_back(h);
         ways.push_back(search_for(h));
-        if (!search(ways.back(), kFirstGenerations)) return false;
     }
-    std::stable_sort(ways.begin(), ways.end(),
-                     [](const WideSearch& a, const WideSearch& b) { return a.left < b.left; });
-    ways.erase(ways.begin() + std::min(std::ssize(ways), static_cast<std::ptrdiff_t>(2 * settings_.finalists)),
-               ways.end());
-    for (WideSearch& w : ways) {
-        if (!search(w, kGenerations - kFirstGenerations)) return false;
-        found.push_back(found_by(w));
+    for (const int generations : kGenerations) {
+        for (WideSearch& w : ways)
+            if (!search(w, generations)) return false;
+        std::stable_sort(ways.begin(), ways.end(),
+                         [](const WideSearch& a, const WideSearch& b) { return a.left < b.left; });
+        const std::size_t half = std::max((ways.size() + 1) / 2, settings_.finalists);
+        ways.erase(ways.begin() + static_cast<std::ptrdiff_t>(std::min(half, ways.size())), ways.end());
     }
+    for (const WideSearch& w : ways) found.push_back(found_by(w));
     return true;
 }
 
@@ -549,16 +552,24 @@ bool Diagnoser::follow(Hypothesis& h) {
     return true;
 }
 
-/// As long as it may come near the least that another one leaves.
-bool Diagnoser::pursue(Pursuit& p, double& least) {
-    const auto hopeless = [&] { return p.promised > least + kFarBehind && p.left < p.promised + kFarBehind; };
-    while (!p.settled && !hopeless())
-        if (!advance(p)) return false;
-    least = std::min(least, p.best.q);
-    return true;
+/// Cannot come near the least that is left by another, even if its derivatives promise as much too little as they promise to gain.
+bool Diagnoser::hopeless(const Pursuit& p, double least) const {
+    return p.promised - std::max(p.left - p.promised - kFarBehind, 0.0) > least + kFarBehind;
 }
 
-/// Every one by a survey, and then those that promise most. Adds them to those that have been followed.
+/// One survey of the one that promises most at a time, until all have settled or are hopeless.
+bool Diagnoser::pursue(std::vector<Pursuit>& pursuits, double& least) {
+    for (;;) {
+        Pursuit* next = nullptr;
+        for (Pursuit& p : pursuits)
+            if (!p.settled && !hopeless(p, least) && (!next || p.promised < next->promised)) next = &p;
+        if (!next) return true;
+        if (!advance(*next)) return false;
+        if (!next->on_the_way) least = std::min(least, next->best.q);
+    }
+}
+
+/// Every one by a survey, and then those that promise most, a few places of each way to act. Adds them to those that have been followed.
 bool Diagnoser::follow_best(std::vector<Hypothesis> chosen, std::vector<Hypothesis>& followed) {
     if (std::vector<Hypothesis> found; search_widely(chosen, found))
         chosen.insert(chosen.end(), std::make_move_iterator(found.begin()), std::make_move_iterator(found.end()));
@@ -573,15 +584,13 @@ bool Diagnoser::follow_best(std::vector<Hypothesis> chosen, std::vector<Hypothes
     }
     std::stable_sort(all.begin(), all.end(),
                      [](const Pursuit& a, const Pursuit& b) { return a.promised < b.promised; });
+    for (Pursuit& p : all)
+        if (std::count_if(pursuits.begin(), pursuits.end(),
+                          [&](const Pursuit& other) { return same_way(other.best, p.best); }) < kPlacesOfOne)
+            pursuits.push_back(std::move(p));
     double least = kInfinity;
-    for (Pursuit& p : all) {
-        const auto better = std::count_if(pursuits.begin(), pursuits.end(),
-                                          [&](const Pursuit& other) { return same_way(other.best, p.best); });
-        if (better >= kPlacesOfOne) continue;
-        if (!pursue(p, least)) return false;
-        pursuits.push_back(std::move(p));
-    }
-    if (!look_again(pursuits, least)) return false;
+    for (const Hypothesis& h : followed) least = std::min(least, h.q);
+    if (!pursue(pursuits, least) || !look_again(pursuits, least)) return false;
     for (Pursuit& p : pursuits) followed.push_back(arrived(std::move(p)));
     return true;
 }

@@ -106,6 +106,13 @@ std::optional<std::vector<Fingerprint>> Diagnoser::take_parts(std::size_t first_
     return parts;
 }
 
+/// On one of its strips.
+bool Diagnoser::visible_anywhere(std::size_t first_strip, const ScoreResult& score) const {
+    for (std::size_t k = first_strip; k < first_strip + kStrips; ++k)
+        if (visible(k, score)) return true;
+    return false;
+}
+
 /// Fingerprints of short parts, one beside the other, add up to those of every stretch that is made of them. The stretches that explain most become
 /// variants. They were chosen by what is measured and have no part in the test.
 bool Diagnoser::look_closer(Diagnosis& d) {
@@ -113,10 +120,12 @@ bool Diagnoser::look_closer(Diagnosis& d) {
     std::vector<Fingerprint> all = base_.test->fingerprints();
     for (std::size_t first = 0; first < planned_variants_; ++first) {
         if (!variants_[first].on) continue;
-        const EffectDose strip = variants_[first];
-        const auto parts = take_parts(first, d.score);
+        const std::size_t strips = std::exchange(first, first + kStrips - 1);
+        if (!visible_anywhere(strips, d.score)) continue;
+        const EffectDose strip = variants_[strips];
+        const auto parts = take_parts(strips, d.score);
         if (!parts) return false;
-        const Stretches stretches = stretches_of(path_of(first), *parts);
+        const Stretches stretches = stretches_of(path_of(strips), *parts);
         const Eigen::VectorXd z =
             ScoreTest(covariance, base_.slopes.directions, deviation_, stretches.fingerprints)(base_.observed).z;
         for (const std::size_t k : best_places(stretches.places, z)) {
@@ -124,7 +133,6 @@ bool Diagnoser::look_closer(Diagnosis& d) {
             place_spread_.push_back(spread_of(k, stretches.places, z));
             all.push_back(stretches.fingerprints[k]);
         }
-        first += kStrips - 1;
     }
     base_.test.emplace(covariance, base_.slopes.directions, deviation_, std::move(all));
     find(d);
@@ -178,9 +186,9 @@ bool Diagnoser::look_again(std::vector<Pursuit>& pursuits, double least) {
                 return same_way(other.best, p.best) && nearly_same(*other.best.on, *found->on);
             }))
             continue;
-        Pursuit again = begin(std::move(*found));
-        if (!advance(again) || !pursue(again, least)) return false;
-        pursuits.push_back(std::move(again));
+        std::vector<Pursuit> again{begin(std::move(*found))};
+        if (!advance(again.front()) || !pursue(again, least)) return false;
+        pursuits.push_back(std::move(again.front()));
     }
     return true;
 }

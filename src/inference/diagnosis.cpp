@@ -189,11 +189,13 @@ std::optional<Fingerprint> Diagnoser::take_fingerprint(const EffectDose& dose, s
 bool Diagnoser::take_fingerprints() {
     const Eigen::MatrixXd covariance = row_covariance(*base_.space);
     std::vector<Fingerprint> fingerprints;
+    taken_at_.resize(variants_.size(), kNaN);
     for (const EffectDose& v : variants_) {
+        double& known = taken_at_[fingerprints.size()];
         const double most = most_of(fingerprints.size());
         EffectDose dose = v;
-        dose.strength = std::min(dose.strength, most);
-        auto fingerprint = take_fingerprint(dose, half_repeats());
+        dose.strength = std::isnan(known) ? std::min(dose.strength, most) : known;
+        auto fingerprint = take_fingerprint(dose, std::isnan(known) ? half_repeats() : settings_.repeats);
         for (int again = 0; fingerprint && again < kTakenAgain; ++again) {
             const double seen =
                 ScoreTest(covariance, base_.slopes.directions, deviation_, {*fingerprint})(base_.observed)
@@ -204,6 +206,7 @@ bool Diagnoser::take_fingerprints() {
             fingerprint = take_fingerprint(dose, settings_.repeats);
         }
         if (!fingerprint) return false;
+        known = dose.strength;
         fingerprints.push_back(std::move(*fingerprint));
     }
     base_.test.emplace(covariance, base_.slopes.directions, deviation_, std::move(fingerprints));
