@@ -42,6 +42,10 @@ Interval strength_range(const AnsweredEffect& e) {
     return {std::max(f.strength - reach, 0.0), std::min(f.strength + reach, e.variant.most)};
 }
 
+bool is_far_beyond(const CompareStudy& study) {
+    return study.overall.gap > kFarBeyond * study.overall.chance.high;
+}
+
 /// How many strengths a refit has to find.
 std::size_t strengths_of(const std::vector<AnsweredEffect>& effects) {
     return static_cast<std::size_t>(
@@ -308,11 +312,15 @@ private:
             });
         study_.interrupted = model.result.interrupted;
         if (study_.interrupted) return model;
+        take_best(model, strengths);
+        model.evaluations = all.size();
+        return model;
+    }
+
+    static void take_best(CalibratedModel& model, std::size_t strengths) {
         const std::vector<double>& best = model.result.best.values;
         model.strengths.assign(best.end() - static_cast<std::ptrdiff_t>(strengths), best.end());
         model.point = without_strengths(model.result.best, strengths);
-        model.evaluations = all.size();
-        return model;
     }
 
     CompareStudy compared(const CalibratedModel& model, const std::vector<AnsweredEffect>& effects,
@@ -328,6 +336,20 @@ private:
         return compared;
     }
 
+    /// A refit minimises a part of what is compared, and may end far from the rest. Where it began, at what was followed, all measurements had their part.
+    void stay_as_followed(AnswerFit& fit) {
+        CalibratedModel followed = fit.model;
+        followed.result.best = followed.result.start;
+        followed.result.best_fit = followed.result.start_fit;
+        take_best(followed, followed.strengths.size());
+        CampaignResult campaign;
+        CompareStudy study = compared(followed, fit.effects, campaign);
+        if (study_.interrupted || !(study.overall.gap < fit.study.overall.gap)) return;
+        fit.model = std::move(followed);
+        fit.study = std::move(study);
+        fit.campaign = std::move(campaign);
+    }
+
     void refit(const std::vector<EffectFinding>& findings) {
         AnswerFit fit;
         std::string name;
@@ -338,6 +360,9 @@ private:
                 (name.empty() ? "" : "_and_") + fit.effects.back().candidate->name + "_" + std::to_string(f.variant);
         }
         fit.model = calibrated(name, fit.effects, findings.front().parameters);
+        if (study_.interrupted) return;
+        fit.study = compared(fit.model, fit.effects, fit.campaign);
+        if (!study_.interrupted && is_far_beyond(fit.study)) stay_as_followed(fit);
         if (study_.interrupted) return;
         const std::size_t first = fit.model.result.parameters.size() - fit.model.strengths.size();
         const SiteFile site = test_.site_at(fit.model.point);
@@ -351,7 +376,6 @@ private:
                              : fit.model.result.parameters[first + next].interval;
             ++next;
         }
-        fit.study = compared(fit.model, fit.effects, fit.campaign);
         study_.answers.push_back(std::move(fit));
     }
 
@@ -407,9 +431,7 @@ void judge_refits(DiagnoseStudy& study) {
         study.demoted = why;
         study.verdict = Verdict::Unknown;
     };
-    const auto explains = [&](const AnswerFit& a) {
-        return !(a.study.overall.gap > kFarBeyond * a.study.overall.chance.high);
-    };
+    const auto explains = [&](const AnswerFit& a) { return !is_far_beyond(a.study); };
     if (std::none_of(answers.begin(), answers.end(), explains))
         return demote("with " + answers.front().name() +
                       ", which comes nearest, the model is still far beyond chance as a whole");
