@@ -17,7 +17,7 @@ std::string short_number(double value) {
 }
 
 std::string weight_text(double weight) {
-    return weight > 0.0 && weight < 0.001 ? "< 0.001" : gis::axis_number(weight, 0.001);
+    return weight < 0.001 ? "< 0.001" : gis::axis_number(weight, 0.001);
 }
 
 std::string percent(std::int64_t part, std::int64_t whole) {

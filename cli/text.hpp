@@ -13,7 +13,7 @@ namespace scree::cli {
 
 /// Three significant digits.
 std::string short_number(double value);
-/// "0.953", "< 0.001".
+/// "0.953", "< 0.001" (of what underflows to 0 as well).
 std::string weight_text(double weight);
 /// "12.5 %".
 std::string percent(std::int64_t part, std::int64_t whole);
