@@ -201,6 +201,36 @@ TEST(Diagnosis, NamesWhatIsHidden) {
     }
 }
 
+// Simulations are what a diagnosis costs. What looks like the truth, but leaves far more than it, is not followed to its end.
+TEST(Diagnosis, SimulatesLittleOfWhatIsFarBehind) {
+    const auto blocks = blocks_of_test();
+    constexpr std::size_t kSorted = kHeldBack;  // by mass, too, but in two classes
+    std::vector<CandidateEffect> effects = all_effects();
+    effects.push_back({"heavy and light ones", false, {{"", 8.0}}});
+    const DiagnosisProblem problem = problem_for(blocks, effects);
+    std::vector<std::size_t> simulated(effects.size(), 0);
+    const DiagnosisSimulation simulate = [&](const DiagnosisTask& task) {
+        DiagnosisTask others = task;
+        double sorted = 0.0;
+        std::erase_if(others.effects, [&](const EffectDose& d) {
+            if (d.effect == kSorted) sorted = d.strength;
+            return d.effect == kSorted;
+        });
+        ObservationTable t = throw_blocks(blocks, others);
+        for (std::size_t row = 0; row < t.block.size(); ++row)
+            t.values[0][row] += blocks[static_cast<std::size_t>(t.block[row])].mass > 1000.0 ? sorted : -sorted;
+        for (const EffectDose& d : task.effects) simulated[d.effect] += t.block.size();
+        return std::optional(t);
+    };
+    for (std::uint64_t k = 0; k < 3; ++k) {
+        const Diagnosis d = diagnose(problem, measured(blocks, 100 + k, {{kMassTrend, 0, 5.0}}), quick(k), simulate, {});
+        EXPECT_EQ(d.findings.front().effect, kMassTrend);
+    }
+    EXPECT_LT(simulated[kSorted], simulated[kMassTrend] / 2);  // 0.43 of it; followed to its end 0.63
+    for (const std::size_t unlike : {kSpeedCap, kDepositAt50, kSpeedBias})
+        EXPECT_LT(simulated[unlike], simulated[kMassTrend] / 20);  // their fingerprints
+}
+
 // How often what is said is right, in more tests than the default ones have time for: the figures in src/README.md.
 TEST(Diagnosis, DISABLED_Statistics) {
     const auto blocks = blocks_of_test();
