@@ -180,7 +180,8 @@ std::string unknown_sentence(const DiagnoseStudy& study) {
     const std::string nameless = "UNKNOWN: something is missing" + p + " that has no name in the catalogue";
     if (!study.demoted.empty()) return nameless + ": " + study.demoted;
     if (const std::string some = rivals(study); !some.empty())
-        return "UNKNOWN: something is missing" + p + ", and these measurements do not say what: " + some;
+        return std::string("UNKNOWN: something ") + (study.diagnosis.weight_none > 0.5 ? "may be" : "is") + " missing" + p +
+               ", and these measurements do not say what: " + some;
     return nameless + nearest(study);
 }
 

@@ -41,6 +41,12 @@ TEST(DiagnoseWords, ManyThatCouldBeItAreNoNamelessEffect) {
               "name (0.040), or chance (0.020)");
 }
 
+TEST(DiagnoseWords, WhatIsRatherChanceMayBeMissing) {
+    EXPECT_EQ(verdict_sentence(unknown({0.15}, 0.3)),
+              "UNKNOWN: something may be missing (p = 0.002), and these measurements do not say what: ground_drag (weight "
+              "0.150), something without a name (0.040), or chance (0.810)");
+}
+
 TEST(DiagnoseWords, WhatComesNearestAndCannotBeIt) {
     EXPECT_EQ(verdict_sentence(unknown({0.99}, 0.005)),
               "UNKNOWN: something is missing (p = 0.002) that has no name in the catalogue; ground_drag comes nearest, "
