@@ -15,6 +15,7 @@ namespace {
 
 constexpr std::size_t kMostSentences = 8;
 constexpr double kWorthSaying = 0.05;  // least weight of an effect that is said where none is an answer [-]
+constexpr double kRatherChance = 0.5;  // weight of chance above which it is likelier than all that could be missing [-]
 constexpr double kMoved = 0.05;        // a parameter that changes by less of its range has not moved [-]
 constexpr double kInRange = 0.03;      // estimates nearer to an end of their range lie on its edge [-]
 
@@ -180,8 +181,8 @@ std::string unknown_sentence(const DiagnoseStudy& study) {
     const std::string nameless = "UNKNOWN: something is missing" + p + " that has no name in the catalogue";
     if (!study.demoted.empty()) return nameless + ": " + study.demoted;
     if (const std::string some = rivals(study); !some.empty())
-        return std::string("UNKNOWN: something ") + (study.diagnosis.weight_none > 0.5 ? "may be" : "is") + " missing" + p +
-               ", and these measurements do not say what: " + some;
+        return std::string("UNKNOWN: something ") + (study.diagnosis.weight_none > kRatherChance ? "may be" : "is") +
+               " missing" + p + ", and these measurements do not say what: " + some;
     return nameless + nearest(study);
 }
 

@@ -42,9 +42,10 @@ TEST(DiagnoseWords, ManyThatCouldBeItAreNoNamelessEffect) {
 }
 
 TEST(DiagnoseWords, WhatIsRatherChanceMayBeMissing) {
-    EXPECT_EQ(verdict_sentence(unknown({0.15}, 0.3)),
-              "UNKNOWN: something may be missing (p = 0.002), and these measurements do not say what: ground_drag (weight "
-              "0.150), something without a name (0.040), or chance (0.810)");
+    EXPECT_EQ(
+        verdict_sentence(unknown({0.15}, 0.3)),
+        "UNKNOWN: something may be missing (p = 0.002), and these measurements do not say what: ground_drag (weight "
+        "0.150), something without a name (0.040), or chance (0.810)");
 }
 
 TEST(DiagnoseWords, WhatComesNearestAndCannotBeIt) {

@@ -223,7 +223,8 @@ TEST(Diagnosis, SimulatesLittleOfWhatIsFarBehind) {
         return std::optional(t);
     };
     for (std::uint64_t k = 0; k < 3; ++k) {
-        const Diagnosis d = diagnose(problem, measured(blocks, 100 + k, {{kMassTrend, 0, 5.0}}), quick(k), simulate, {});
+        const Diagnosis d =
+            diagnose(problem, measured(blocks, 100 + k, {{kMassTrend, 0, 5.0}}), quick(k), simulate, {});
         EXPECT_EQ(d.findings.front().effect, kMassTrend);
     }
     EXPECT_LT(simulated[kSorted], simulated[kMassTrend] / 2);  // 0.43 of it; followed to its end 0.63
