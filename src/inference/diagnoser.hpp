@@ -40,6 +40,9 @@ inline constexpr double kModerate = 6.0;
 /// Lengths of a stretch that an effect acts on, least and most, as shares of the path [-].
 inline constexpr double kShortestShare = 0.02, kLongestShare = 0.5;
 
+/// Least strength that is followed, as a share of the largest [-].
+inline constexpr double kLeastStrength = 0.01;
+
 /// A finalist that is no effect: the model itself.
 inline constexpr std::size_t kNoEffect = static_cast<std::size_t>(-1);
 /// One effect, or none, with its parameters, as far as it has been followed.
@@ -60,8 +63,8 @@ struct Hypothesis {
     bool raced = false;       ///< q and p are those of a close race
 };
 
-/// What diagnose() and plan_test() do, step by step: the model is tested and judged in diagnosis.cpp, effects are followed in diagnoser_follow.cpp,
-/// and places found in diagnoser_places.cpp.
+/// What diagnose() and plan_test() do, step by step: the model is tested and judged in diagnosis.cpp, effects are looked for in diagnoser_search.cpp,
+/// followed in diagnoser_follow.cpp, and their places found in diagnoser_places.cpp.
 class Diagnoser {
 public:
     Diagnoser(const DiagnosisProblem& problem, const ObservationTable& measured, const DiagnosisSettings& settings,

@@ -1,21 +1,16 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Following an effect, or none, to the parameters and strength that leave least.
-#include "inference/cma_es.hpp"
 #include "inference/diagnoser.hpp"
 
 #include "scree/base/random.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
-#include <numeric>
 
 namespace scree {
 
 namespace {
 
-/// Least strength that is followed, as a share of the largest [-].
-constexpr double kLeastStrength = 0.01;
 /// Change of the misfit, minus twice a log-likelihood, that is noise; and how many surveys in a row without a larger one are the end [-].
 constexpr double kSettled = 3.0;
 constexpr int kWithoutBetter = 2, kWithoutBetterPlace = 3;
@@ -26,9 +21,6 @@ constexpr int kSurveysOnTheWay = 15, kWithoutBetterOnTheWay = 4;
 constexpr double kComparable = 0.7;
 /// Steps so many times as long as those that the survey asks for are wide [-].
 constexpr double kWideStep = 2.0;
-/// A search all over the ranges: generations of every form, then of the better half, and so on; standard deviation of the first one, of the ranges [-].
-constexpr std::array kGenerations{6, 6, 12, 16};
-constexpr double kWidely = 0.3;
 /// How far beyond a survey its derivatives are trusted [steps].
 constexpr double kTrust = 4.0;
 /// Sweeps over the coordinates of a quadratic problem [-].
@@ -46,11 +38,6 @@ constexpr int kRaceRounds = 2;
 constexpr double kHopeless = 0.25;
 /// Samples of a simulation that its goodness of fit is judged by [-].
 constexpr std::int64_t kFitDraws = 299;
-
-/// Strong effects are looked for at strengths that grow by this factor, until so many times as much is left as at the best one [-].
-constexpr double kGrow = 2.5, kMuchMore = 2.0;
-/// How many variants, of those whose fingerprints explain most, are looked at so; and of one effect at most; and how many of these are followed [-].
-constexpr std::size_t kScanned = 32, kScannedOfOne = 8, kChosenOfOne = 2;
 /// In how many places of one effect more than one survey is made [-].
 constexpr std::ptrdiff_t kPlacesOfOne = 2;
 /// What leaves so much more than the best one, with less than that to gain, is not followed any further [-].
@@ -80,57 +67,6 @@ Slopes slopes_of(Eigen::MatrixXd moved, Eigen::MatrixXd means, double rows_over)
     s.noise = static_cast<double>(means.cols()) * rows_over * squares.diagonal().cwiseMax(1e-12).cwiseInverse();
     s.at_place = mean - s.directions * centre;
     return s;
-}
-
-/// Q at the parameters of the base with an effect, parameters free to absorb; seen in the residual space of that very simulation.
-std::optional<double> Diagnoser::left_at(double strength, std::size_t fingerprint) {
-    EffectDose dose = variants_[fingerprint];
-    dose.strength = strength;
-    auto table = simulate("finalists", base_.parameters, {dose}, half_repeats());
-    if (!table) return std::nullopt;
-    const ResidualSpace space(std::move(*table), measured_, problem_.blocks, settings_.residuals,
-                              base_.space->residuals());
-    return ScoreTest(row_covariance(space), base_.slopes.directions, deviation_, {})(mean_residual(space.of(measured_)))
-        .q;
-}
-
-/// Finalists by what they leave at the strength that leaves least: a strong effect may be far from what its fingerprint at the reference strength tells.
-std::optional<std::vector<Hypothesis>> Diagnoser::strong_finalists() {
-    planned_ += 4 * kScanned;
-    const ScoreResult score = (*base_.test)(base_.observed);
-    std::vector<std::size_t> order(variants_.size());
-    std::iota(order.begin(), order.end(), std::size_t{0});
-    std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
-        return score.z[static_cast<Eigen::Index>(a)] > score.z[static_cast<Eigen::Index>(b)];
-    });
-    std::vector<std::size_t> scanned_of(problem_.effects.size(), 0), chosen_of = scanned_of;
-    std::vector<Hypothesis> scanned;
-    for (const std::size_t k : order) {
-        const std::size_t effect = variants_[k].effect;
-        if (!(score.z[static_cast<Eigen::Index>(k)] > 0.0) || scanned.size() == kScanned) break;
-        if (!visible(k, score) || scanned_of[effect] == kScannedOfOne) continue;
-        ++scanned_of[effect];
-        Hypothesis best = unfollowed(k);
-        best.from_given = true;
-        const double most = most_of(k);
-        for (double strength = std::min(1.0, most);; strength = std::min(kGrow * strength, most)) {
-            const std::optional<double> q = left_at(strength, k);
-            if (!q) return std::nullopt;
-            if (*q < best.q) {
-                best.strength = strength;
-                best.q = *q;
-            }
-            if (*q > kMuchMore * best.q || strength >= most) break;
-        }
-        scanned.push_back(std::move(best));
-    }
-    std::stable_sort(scanned.begin(), scanned.end(),
-                     [](const Hypothesis& a, const Hypothesis& b) { return a.q < b.q; });
-    std::vector<Hypothesis> chosen;
-    for (Hypothesis& h : scanned)
-        if (chosen.size() < settings_.finalists && chosen_of[variants_[h.fingerprint].effect]++ < kChosenOfOne)
-            chosen.push_back(std::move(h));
-    return chosen;
 }
 
 /// Simulations all around `at`, a step away in every direction; measured and simulated rows are seen in the residual space of all of them. More directions
@@ -435,107 +371,6 @@ bool Diagnoser::advance(Pursuit& p) {
         p.best.q = kInfinity;
         p.here = p.of_best;
     }
-    return true;
-}
-
-/// Parameters, strength and place that leave little, from all over what is allowed, as few simulations in the residual space of the base tell: what is followed
-/// from one place alone ends in its valley, and a calibration has made up for a strong effect in another one.
-struct Diagnoser::WideSearch {
-    Hypothesis h;
-    Eigen::VectorXd low, high;  ///< of the parameters, the logarithm of the strength, and the place
-    CmaEs search;
-    double left = kInfinity;  ///< by the middle one of the last generation [-]
-};
-
-Diagnoser::WideSearch Diagnoser::search_for(Hypothesis h) {
-    const Eigen::Index count = base_.parameters.size(), size = count_of(h.fingerprint);
-    Eigen::VectorXd low(size), high(size);
-    low.head(count) = Eigen::Map<const Eigen::VectorXd>(problem_.low.data(), count);
-    high.head(count) = Eigen::Map<const Eigen::VectorXd>(problem_.high.data(), count);
-    if (size > count) {
-        high[count] = std::log(most_of(h.fingerprint));
-        low[count] = high[count] + std::log(kLeastStrength);
-    }
-    if (size > count + 1) {
-        const Stretch& path = path_of(h.fingerprint);
-        low.tail(2) << path.from, std::log(kShortestShare * path.length());
-        high.tail(2) << path.to, std::log(kLongestShare * path.length());
-    }
-    return {std::move(h), std::move(low), std::move(high),
-            CmaEs(Eigen::VectorXd::Constant(size, 0.5), kWidely, 0,
-                  RandomStream(settings_.seed, next_seed_++, RandomPurpose::Calibration))};
-}
-
-Eigen::VectorXd Diagnoser::unknowns_at(const WideSearch& w, const Eigen::VectorXd& u) const {
-    Eigen::VectorXd at = w.low.array() + u.unaryExpr(&reflected).array() * (w.high - w.low).array();
-    const Eigen::Index count = base_.parameters.size();
-    if (at.size() > count) at[count] = std::exp(at[count]);
-    return within(std::move(at), w.h.fingerprint);
-}
-
-bool Diagnoser::search(WideSearch& w, int generations) {
-    const Eigen::LLT<Eigen::MatrixXd> factor(mean_covariance(row_covariance(*base_.space), base_.observed.together));
-    for (int generation = 0; generation < generations; ++generation) {
-        const std::vector<Eigen::VectorXd> candidates = w.search.ask();
-        planned_ += candidates.size();
-        std::vector<double> losses;
-        for (const Eigen::VectorXd& u : candidates) {
-            const Eigen::VectorXd at = unknowns_at(w, u);
-            const auto table = simulate("finalists", at.head(base_.parameters.size()), dose_of(w.h.fingerprint, at), 1);
-            if (!table) return false;
-            const ResidualMean mean = mean_residual(base_.space->of(*table));
-            const Eigen::VectorXd left = base_.observed.mean - mean.mean;
-            losses.push_back(comparable(mean, table->rows()) ? left.dot(factor.solve(left)) : kInfinity);
-        }
-        w.search.tell(losses);
-        std::nth_element(losses.begin(), losses.begin() + std::ssize(losses) / 2, losses.end());
-        w.left = losses[losses.size() / 2];
-    }
-    return true;
-}
-
-Hypothesis Diagnoser::found_by(const WideSearch& w) const {
-    const Eigen::VectorXd at = unknowns_at(w, w.search.mean());
-    const Eigen::Index count = base_.parameters.size();
-    Hypothesis h = w.h;
-    h.parameters = at.head(count);
-    if (h.fingerprint == kNoEffect) return h;
-    h.strength = at[count];
-    h.on = dose_of(h.fingerprint, at).front().on;
-    return h;
-}
-
-std::optional<Hypothesis> Diagnoser::search_without() {
-    WideSearch w = search_for({});
-    if (!search(w, std::reduce(kGenerations.begin(), kGenerations.end()))) return std::nullopt;
-    return found_by(w);
-}
-
-/// Every form of the effects that were chosen; after some generations the better half of them goes on, and so to the end. Once each: it depends little on the base.
-bool Diagnoser::search_widely(const std::vector<Hypothesis>& chosen, std::vector<Hypothesis>& found) {
-    const ScoreResult score = (*base_.test)(base_.observed);
-    std::vector<WideSearch> ways;
-    for (std::size_t k = 0; k < variants_.size(); ++k) {
-        const Hypothesis h = unfollowed(k);
-        const auto of_effect = [&](const Hypothesis& c) {
-            return variants_[c.fingerprint].effect == variants_[k].effect;
-        };
-        if (!visible(k, score) || std::none_of(chosen.begin(), chosen.end(), of_effect) ||
-            std::any_of(searched_widely_.begin(), searched_widely_.end(),
-                        [&](const Hypothesis& known) { return same_way(known, h); }))
-            continue;
-        searched_widely_.push_back(h);
-        ways.push_back(search_for(h));
-    }
-    for (const int generations : kGenerations) {
-        for (WideSearch& w : ways)
-            if (!search(w, generations)) return false;
-        std::stable_sort(ways.begin(), ways.end(),
-                         [](const WideSearch& a, const WideSearch& b) { return a.left < b.left; });
-        const std::size_t half = std::max((ways.size() + 1) / 2, settings_.finalists);
-        ways.erase(ways.begin() + static_cast<std::ptrdiff_t>(std::min(half, ways.size())), ways.end());
-    }
-    for (const WideSearch& w : ways) found.push_back(found_by(w));
     return true;
 }
 
