@@ -166,10 +166,9 @@ Table read_table(const std::string& file, const std::string& purpose) {
     }
     table.separator = separator_of(text);
     table.rows = split(text, table.separator, place);
-    if (table.rows.empty()) throw InputError(words(place, " is empty; it needs a header line and at least one row."));
+    if (table.rows.empty()) throw InputError(words(place, " is empty; it needs at least a header line."));
     table.header = std::move(table.rows.front().cells);
     table.rows.erase(table.rows.begin());
-    if (table.rows.empty()) throw InputError(words(place, " has a header but no rows; add at least one."));
     for (const Table::Row& row : table.rows) {
         if (row.cells.size() == table.header.size()) continue;
         throw InputError(words(
@@ -220,6 +219,7 @@ BlockList read_block_list(const std::string& file) {
     BlockList list;
     list.warnings = table.warnings;
     const std::string place = words("The block list '", file, "'");
+    if (table.rows.empty()) throw InputError(words(place, " has a header but no rows; add at least one."));
 
     // generous limits: they catch wrong units, not large blocks
     constexpr double kMaxMass = 1e9, kMaxEdge = 1000;  // [kg], [m]

@@ -24,7 +24,7 @@ struct Table {
     std::vector<std::string> warnings;
 };
 
-/// Throws InputError for a file that cannot be read, is binary, has no rows, or rows with another number of cells than the header.
+/// Throws InputError for a file that cannot be read, is binary, has no header, or rows with another number of cells than the header.
 Table read_table(const std::string& file, const std::string& purpose);
 
 /// Index of a column; throws InputError that lists the columns there are.

@@ -109,6 +109,18 @@ TEST_F(ObservationReader, ReadsAFolderOfTables) {
     EXPECT_EQ(o.files.size(), 3U);
 }
 
+TEST_F(ObservationReader, TakesATableWithoutRowsForATestInWhichNothingWasSeen) {
+    put("stopping_points.csv", "block_id,easting_m,northing_m,crs\nA,900010,6400020,EPSG:2154\n");
+    const std::string crossings = put("screen_crossings.csv", "screen,block_id,speed_ms\n");
+    const auto o = read(folder_.path().string());
+    EXPECT_EQ(o.stops.size(), 1U);
+    EXPECT_THAT(o.crossings, IsEmpty());
+    EXPECT_THAT(o.warnings, IsEmpty());
+    EXPECT_THAT(o.sources, Contains(HasSubstr("screen_crossings.csv: 0 records")));
+    EXPECT_THAT(error(crossings), HasSubstr("hold no stop, crossing, impact or share"));
+    EXPECT_THAT(error(put("no_header.csv", "")), HasSubstr("is empty"));
+}
+
 TEST_F(ObservationReader, ReadsImpacts) {
     const std::string head =
         "block_id,impact,speed_before_ms,speed_after_ms,rise_before_ms,rise_after_ms,speed_error_ms\n";
