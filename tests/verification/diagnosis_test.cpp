@@ -340,6 +340,22 @@ TEST(Diagnosis, NamesTwoEffectsThatActTogether) {
     EXPECT_EQ(wrong, 0);
 }
 
+TEST(Diagnosis, DISABLED_StatisticsOfPairs) {
+    const auto blocks = blocks_of_test();
+    const DiagnosisProblem problem = problem_for(blocks, all_effects());
+    int rejected = 0, both = 0, one = 0, wrong = 0;
+    for (std::uint64_t k = 0; k < 40; ++k) {
+        const ObservationTable table = measured(blocks, 6000 + k, {{kMassTrend, 0, 4.0}, {kSpeedBias, 0, 3.0}});
+        const Diagnosis d = diagnosis_of(blocks, problem, table, k);
+        rejected += d.verdict != Verdict::None;
+        both += d.together;
+        one += d.answer.size() == 1;
+        for (const EffectFinding& f : d.answer) wrong += f.effect != kMassTrend && f.effect != kSpeedBias;
+    }
+    std::cout << "pairs: 40 tests, " << rejected << " rejected, both named " << both << ", one of them " << one
+              << ", wrong " << wrong << std::endl;
+}
+
 // The one unforgivable error: a confident wrong name.
 TEST(Diagnosis, SaysUnknownWhereTheHiddenEffectIsNotInTheCatalogue) {
     const auto blocks = blocks_of_test();
