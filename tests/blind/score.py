@@ -82,12 +82,12 @@ def read(folder):
 
 
 def place_error(truth, answer):
-    """Between the middles of the hidden reach, along the profile, and the named one, along the axis of the observations [m]."""
-    hidden = [h["at"] for h in truth["hidden"] if h["at"]]
-    named = [a["between_m"] for a in answer if "between_m" in a]
-    if not hidden or not named:
-        return None
-    return abs(sum(named[0]) / 2 + AXIS_FROM_HEAD - sum(hidden[0]) / 2)
+    """Between the middles of the hidden reach, along the profile, and of the one rightly named, along the axis of the observations [m]."""
+    for hidden in truth["hidden"]:
+        for a in answer:
+            if hidden["at"] and "between_m" in a and a["effect"] in hidden["families"]:
+                return abs(sum(a["between_m"]) / 2 + AXIS_FROM_HEAD - sum(hidden["at"]) / 2)
+    return None
 
 
 def covered(truth, answer):
