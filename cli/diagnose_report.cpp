@@ -102,12 +102,12 @@ std::string extended_toml(const DiagnoseStudy& study, const fs::path& to) {
     for (const std::string& input : study.inputs) text << "# Input: " << input << "\n";
     text << "\n";
     const bool with = !study.answers.empty() && study.verdict != Verdict::Unknown;
-    const SiteFile site = with ? extended_site(study, study.answers.front())
+    const SiteFile site = with ? extended_site(study, study.answers.front(), fs::absolute(to) / "results.gpkg")
                                : with_changes(study.site, study.keys.changes(study.tested_point()));
     SiteSettings settings = site.settings;
     settings.output_directory = "out";
     text << settings_as_toml(settings, [&](const std::string& path) {
-        if (path == settings.output_directory || path == "results.gpkg") return path;
+        if (path == settings.output_directory) return path;
         std::error_code error;
         const fs::path relative = fs::relative(study.site.resolve(path), to, error);
         return error || relative.empty() ? fs::absolute(study.site.resolve(path)).string() : relative.string();

@@ -438,7 +438,7 @@ void judge_refits(DiagnoseStudy& study) {
     std::stable_partition(answers.begin(), answers.end(), explains);
     if (study.baseline.result.folds.empty()) return;
     const double without = study.baseline.result.held_out.loss;
-    const auto better = [&](const AnswerFit& a) { return a.model.result.held_out.loss < without; };
+    const auto better = [&](const AnswerFit& a) { return explains(a) && a.model.result.held_out.loss < without; };
     if (std::none_of(answers.begin(), answers.end(), better))
         return demote("the blocks held out are predicted no better with " + answers.front().name() + " than without");
     std::stable_partition(answers.begin(), answers.end(), better);
@@ -486,29 +486,29 @@ void plan_study(const DiagnoseInput& input, DiagnoseStudy& study) {
 }
 
 /// The screens stand in a layer of their own, those that were given by their chainage as well.
-static void put_in_space(SiteSettings& settings) {
+static void put_in_space(SiteSettings& settings, const std::filesystem::path& results) {
     settings.dimension = 3;
     if (settings.observed.axis == AxisChoice::Automatic) settings.observed.axis = AxisChoice::Profile;
     if (settings.screens.file.empty() && settings.screen_chainages.empty()) return;
-    settings.screens.file = "results.gpkg";
+    settings.screens.file = results.string();
     settings.screens.layer = kScreensInSpace;
     settings.screens.field = "name";
     settings.screen_chainages.clear();
 }
 
-SiteFile extended_site(const DiagnoseStudy& study, const AnswerFit& answer) {
+SiteFile extended_site(const DiagnoseStudy& study, const AnswerFit& answer, const std::filesystem::path& results) {
     SiteFile site = with_changes(study.site, study.keys.changes(answer.model.point));
     for (std::size_t k = 0; k < answer.effects.size(); ++k) {
         const AnsweredEffect& e = answer.effects[k];
         if (e.variant.space) {
-            put_in_space(site.settings);
+            put_in_space(site.settings, results);
             continue;
         }
         EffectSettings entry;
         entry.effect = e.variant.at(e.strength);
         entry.soil = e.variant.soil;
         if (e.variant.on) {
-            entry.place.file = "results.gpkg";
+            entry.place.file = results.string();
             entry.place.layer = zone_name(k);
         }
         site.settings.effects.push_back(std::move(entry));

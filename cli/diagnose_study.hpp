@@ -117,7 +117,7 @@ void plan_study(const DiagnoseInput& input, DiagnoseStudy& study);
 std::string zone_name(std::size_t effect);
 /// The layer of the screens of a 3D answer to a 2D model.
 inline constexpr const char* kScreensInSpace = "screens_3d";
-/// The site with the calibrated values and the effects, as it would be simulated.
-SiteFile extended_site(const DiagnoseStudy& study, const AnswerFit& answer);
+/// The site with the calibrated values and the effects, as it would be simulated; layers of its own are in `results`, an absolute path.
+SiteFile extended_site(const DiagnoseStudy& study, const AnswerFit& answer, const std::filesystem::path& results);
 
 }  // namespace scree::cli
