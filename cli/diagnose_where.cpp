@@ -60,7 +60,7 @@ std::vector<double> screen_places(const SiteModel& model, const ObservedSite& ob
                         at = axis.place(track.profile.place_at(mark.s)).along;
         }
         double& known = along[static_cast<std::size_t>(observed.op.screen_of[k])];
-        if (!(known <= at)) known = at;
+        if (std::isfinite(at) && !(known <= at)) known = at;
     }
     return along;
 }

@@ -146,6 +146,13 @@ std::string described(const AnswerFit& answer) {
     return text;
 }
 
+/// ", too fast", of a single effect that has ways to act.
+std::string label_of_one(const std::vector<AnswerFit>& answers) {
+    if (answers.size() != 1 || answers.front().effects.size() != 1) return "";
+    const std::string& label = answers.front().effects.front().variant.label;
+    return label.empty() ? "" : ", " + label;
+}
+
 std::string names_of(const std::vector<AnswerFit>& answers) {
     std::string text;
     for (std::size_t k = 0; k < answers.size(); ++k)
@@ -203,10 +210,7 @@ std::string verdict_sentence(const DiagnoseStudy& study) {
             return unknown_sentence(study);
         case Verdict::DataProblem:
             if (study.answers.empty()) return "DATA PROBLEM: the measurements cannot be used as they are";
-            return "DATA PROBLEM: " + names_of(study.answers) +
-                   (study.answers.size() == 1 && study.answers.front().effects.size() == 1
-                        ? ", " + study.answers.front().effects.front().variant.label
-                        : "") +
+            return "DATA PROBLEM: " + names_of(study.answers) + label_of_one(study.answers) +
                    "; check how it was measured before anything else";
     }
     return "";

@@ -175,6 +175,7 @@ private:
     bool rejected(const Diagnosis& d) const { return d.test.p <= settings_.level; }
     /// By something that happens: before an instrument is blamed, the ground is asked from all sides.
     bool explained(const Diagnosis& d) const {
+        if (d.findings.empty()) return false;
         const EffectFinding& best = d.findings.front();
         return best.finalist && best.p > settings_.rejected && !problem_.effects[best.effect].measurement;
     }

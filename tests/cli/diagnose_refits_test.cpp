@@ -75,6 +75,13 @@ TEST(DiagnoseRefits, OfAGroupThoseThatSurviveComeFirst) {
     EXPECT_EQ(study.answers.front().name(), "good");
 }
 
+TEST(DiagnoseRefits, OneAndTheSameMemberPassesBoth) {
+    DiagnoseStudy study = study_of({answer("far", 9.0, 0.5), answer("worse", 1.0, 1.1)});
+    judge_refits(study);
+    EXPECT_EQ(study.verdict, Verdict::Unknown);
+    EXPECT_THAT(study.demoted, HasSubstr("no better with worse"));
+}
+
 TEST(DiagnoseRefits, NothingAnsweredNothingTaken) {
     DiagnoseStudy study = study_of({});
     study.verdict = Verdict::None;
