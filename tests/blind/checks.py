@@ -13,6 +13,7 @@ That data of another seed with nothing hidden give NONE is what tier 5 counts (s
 import argparse
 import collections
 import csv
+import hashlib
 import json
 import os
 import random
@@ -23,8 +24,6 @@ import tempfile
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
-from find import BUDGET
-
 OF_MASS = {"restitution_mass", "rolling_size"}
 
 
@@ -34,22 +33,25 @@ def said(diagnosis):
 
 
 def diagnose(args, case, change=None, sets=()):
-    """The diagnosis of a copy of the case with `change` done to the rows of each of its tables."""
+    """The diagnosis of a copy of the case with `change` done to its tables, (header, rows) each."""
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name) / "another"
         shutil.copytree(case, folder)
         site = folder / "site.toml"
         site.write_text(site.read_text().replace("../../sites", str(args.folder.resolve() / "sites")))
+        tables = {}
         for table in sorted((folder / "observed").iterdir()):
             with open(table, newline="", encoding="utf-8") as file:
                 header, *rows = csv.reader(file)
-            if change:
-                change(header, rows, random.Random(table.name))
+            tables[table] = header, rows
+        if change:
+            change(list(tables.values()))
+        for table, (header, rows) in tables.items():
             with open(table, "w", newline="", encoding="utf-8") as file:
                 csv.writer(file, lineterminator="\n").writerows([header, *rows])
             os.utime(table, (1e9, 1e9))
         line = [args.scree, "diagnose", str(site), "--observed", str(folder / "observed"), "--output", f"{name}/out", "--threads", "1", "--quiet"]
-        for key in [*BUDGET, *sets]:
+        for key in [*args.settings, *sets]:
             line += ["--set", key]
         done = subprocess.run(line, capture_output=True, text=True)
         if done.returncode:
@@ -57,14 +59,20 @@ def diagnose(args, case, change=None, sets=()):
         return said(json.loads((Path(name) / "out" / "diagnosis.json").read_text()))
 
 
-def mix(header, rows, chance):
+def mix(tables):
     """The same mix-up in all tables: a block is taken for another."""
-    at = header.index("block_id")
-    names = sorted({row[at] for row in rows})
-    mixed = names[:]
-    random.Random(1).shuffle(mixed)
-    for row in rows:
-        row[at] = dict(zip(names, mixed))[row[at]]
+    blocks = sorted({row[header.index("block_id")] for header, rows in tables for row in rows})
+    taken_for = dict(zip(blocks, random.Random(1).sample(blocks, len(blocks))))
+    for header, rows in tables:
+        at = header.index("block_id")
+        for row in rows:
+            row[at] = taken_for[row[at]]
+
+
+def shuffle(tables):
+    chance = random.Random(1)
+    for _, rows in tables:
+        chance.shuffle(rows)
 
 
 def names(found):
@@ -82,25 +90,31 @@ def main():
     parser.add_argument("--cases", type=int, default=10, help="of each check (default 10)")
     parser.add_argument("--parallel", type=int, default=2)
     args = parser.parse_args()
+    finder = json.loads((args.folder / "finder.json").read_text())
+    if hashlib.sha256(Path(args.scree).read_bytes()).hexdigest() != finder["program_sha256"]:
+        sys.exit(f"{args.scree} is not the program that found the cases of {args.folder}")
+    args.settings = finder["settings"]
     mixed, shuffled, without = [], [], []
     for file in sorted((args.folder / "found").glob("*.json")):
         found, truth = json.loads(file.read_text()), json.loads((args.folder / "sealed" / file.name).read_text())
         case = args.folder / "cases" / file.stem
-        if truth["ids"]:
-            shuffled.append((case, found))
-            if {n for h in truth["hidden"] for n in h["families"]} & OF_MASS:
-                mixed.append(case)
+        shuffled.append((case, found))
+        if truth["ids"] and {n for h in truth["hidden"] for n in h["families"]} & OF_MASS:
+            mixed.append(case)
         right = [n for n in names(found) if any(n in h["families"] for h in truth["hidden"])]
         if truth["tier"] in (0, 1) and right:
-            without.append((case, right))
+            without.append((case, sorted({n for h in truth["hidden"] for n in h["families"]})))
     with ThreadPoolExecutor(args.parallel) as pool:
         answers = list(pool.map(lambda case: diagnose(args, case, mix), mixed[:args.cases]))
-        print(f"mixed: an effect of mass is named in {sum(bool(printed(f) & OF_MASS) for f in answers)} of {len(answers)}", flush=True)
-        same = list(pool.map(lambda job: diagnose(args, job[0], lambda h, rows, chance: chance.shuffle(rows)) == said(job[1]), shuffled[:args.cases]))
+        of_mass = sum(bool(printed(f) & OF_MASS) for f in answers)
+        print(f"mixed: an effect of mass is named in {of_mass} of {len(answers)}", flush=True)
+        same = list(pool.map(lambda job: diagnose(args, job[0], shuffle) == said(job[1]), shuffled[:args.cases]))
         print(f"shuffled: the same diagnosis in {sum(same)} of {len(same)}", flush=True)
         answers = list(pool.map(lambda job: diagnose(args, job[0], None, [f"diagnosis.without={json.dumps(job[1])}"]), without[:args.cases]))
         verdicts = ", ".join(f"{verdict} {count}" for verdict, count in collections.Counter(f["verdict"] for f in answers).most_common())
-        print(f"without: another effect is named in {sum(bool(names(f)) for f in answers)} of {len(answers)} ({verdicts})", flush=True)
+        another = sum(bool(names(f)) for f in answers)
+        print(f"without: another effect is named in {another} of {len(answers)} ({verdicts})", flush=True)
+    sys.exit(1 if of_mass or another or not all(same) else 0)
 
 
 if __name__ == "__main__":

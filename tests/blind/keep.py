@@ -45,6 +45,8 @@ def main():
             name = f"sealed/{found.name}"
             files[name] = (folder / name).read_bytes()
             files[f"found/{found.name}"] = condensed(found)
+        for refused in (folder / "found").glob("*.error"):  # counted as not found
+            files[f"sealed/{refused.stem}.json"] = (folder / "sealed" / f"{refused.stem}.json").read_bytes()
     args.target.mkdir(parents=True, exist_ok=True)
     (args.target / "sealed.sha256").write_text("".join(f"{seals[name]}  {name}\n" for name in sorted(seals)))
     if not files:
@@ -55,7 +57,7 @@ def main():
             member = tarfile.TarInfo(name)
             member.size = len(files[name])
             tar.addfile(member, io.BytesIO(files[name]))
-    print(f"{len(files) // 2} of {len(seals)} cases kept")
+    print(f"{sum(name.startswith('found') for name in files)} of {len(seals)} cases kept")
 
 
 if __name__ == "__main__":
