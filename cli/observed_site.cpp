@@ -251,6 +251,14 @@ private:
                  "some stops have a block_id and some have none: complete them, or leave the column out");
         check_screens_complete();
         if (!s_.matched) return;
+        const auto nameless = [](const auto& record) { return record.block < 0; };
+        if (std::any_of(o.stops.begin(), o.stops.end(), nameless) ||
+            std::any_of(o.crossings.begin(), o.crossings.end(), nameless)) {
+            find(Severity::Warning, "ids_in_some_tables",
+                 "some measurements have a block_id and some have none: no block can be followed from one to the "
+                 "other, so they are compared as a pool with the site's own population");
+            return;
+        }
         if (without.size() == o.blocks.size()) {
             find(Severity::Warning, "blocks_unknown",
                  "the measured blocks have ids, but neither observations nor block list give their mass_kg, L1_m, "

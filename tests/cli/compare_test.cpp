@@ -303,6 +303,27 @@ TEST(Compare, DoesNotCareForTheOrderOfRows) {
     EXPECT_EQ(reports[0].dump(), reports[1].dump());
 }
 
+// Crossings without ids are nobody's: they are neither left out nor taken for those of the blocks that the stops know.
+TEST(Compare, IdsInOneTableOnlyMakeAPool) {
+    const TempDir folder;
+    const fs::path riddle = quarry_a().parent_path() / "quarry_riddle", tables = folder / "observed";
+    fs::create_directories(tables);
+    fs::copy_file(riddle / "observed" / "stopping_points.csv", tables / "stopping_points.csv");
+    const std::string crossings = text_of(riddle / "observed" / "screen_crossings.csv");
+    const std::string nameless = std::regex_replace(crossings, std::regex("(ES[12]-A),[^,]*,"), "$1,");
+    put(tables / "screen_crossings.csv", std::regex_replace(nameless, std::regex("screen,block_id,"), "screen,"));
+    const fs::path out = folder / "out";
+    const Outcome run =
+        scree_program({"compare", (riddle / "site.toml").string(), "--observed", tables.string(), "--output",
+                       out.string(), "--set", "observed.repeats=5", "--set", "observed.draws=100"});
+    ASSERT_EQ(run.code, 0) << run.err;
+    EXPECT_THAT(run.out, HasSubstr("50 measured blocks as a pool"));
+    EXPECT_THAT(report(out).at("findings").dump(), HasSubstr("ids_in_some_tables"));
+    const json speed = observable(report(out), "speed at ES1-A");
+    EXPECT_FALSE(speed.at("known_blocks").get<bool>());
+    EXPECT_TRUE(speed.at("pooled").at("gap").is_number()) << "the crossings are not lost";
+}
+
 // The site as it is cannot be what was measured; with the calibrated soils and the drag that scree diagnose named it can.
 TEST(Compare, ToldTheRiddleFromItsSolution) {
     const TempDir folder;
