@@ -52,6 +52,7 @@ std::string place_text(const EffectLimits& limits) {
         if (it) text += (text.empty() ? "" : "; ") + std::string(words);
     };
     add(limits.soil, "soil: on one [[soil]]");
+    add(limits.screen, "screen: of one screen");
     add(limits.zone, "file: in polygons");
     add(limits.lines, "file: along lines, required");
     add(limits.points, "file: at points");

@@ -13,8 +13,8 @@ namespace {
 
 constexpr double kLeastRolling = 1e-3;  ///< of a patch, whose strength is a factor [m]
 
-/// Everywhere, on each soil besides, on a stretch of the path besides, or on one only.
-enum class Where { Everywhere, Soils, Stretch, StretchOnly };
+/// Everywhere, on each soil besides, on a stretch of the path besides, or on one only; at each screen.
+enum class Where { Everywhere, Soils, Stretch, StretchOnly, Screens };
 
 /// A way to search for an effect. The strength scales one parameter from where the effect vanishes to `reference` at strength 1.
 struct Search {
@@ -55,14 +55,14 @@ constexpr Search kSearches[] = {
     {"block_shape", K::BlockShape, "flatness", 1.25, 4.0, Where::Everywhere, "platier"},
     {"speed_error", K::SpeedError, "bias", 0.1, 4.0, Where::Everywhere, "too fast"},
     {"speed_error", K::SpeedError, "bias", -0.1, 4.0, Where::Everywhere, "too slow"},
-    {"speed_error", K::SpeedError, "noise", 1.0, 5.0, Where::Everywhere, "noise"},
-    {"screen_shift", K::ScreenShift, "shift", 2.0, 5.0, Where::Everywhere, "down the slope"},
-    {"screen_shift", K::ScreenShift, "shift", -2.0, 5.0, Where::Everywhere, "up the slope"},
+    {"speed_error", K::SpeedError, "noise", 1.0, 10.0, Where::Everywhere, "noise"},
+    {"screen_shift", K::ScreenShift, "shift", 2.0, 5.0, Where::Screens, "down the slope"},
+    {"screen_shift", K::ScreenShift, "shift", -2.0, 5.0, Where::Screens, "up the slope"},
     {"slow_missed", K::SlowMissed, "least_speed", 2.0, 4.0, Where::Everywhere, ""},
     {"broken_block", K::BrokenBlock, "last_impact", 0.5, 2.0, Where::Everywhere, ""},
     {"ids_shuffled", K::IdsShuffled, "share", 0.5, 2.0, Where::Everywhere, ""},
-    {"height_datum", K::HeightDatum, "offset", 0.3, 6.0, Where::Everywhere, "too high"},
-    {"height_datum", K::HeightDatum, "offset", -0.3, 6.0, Where::Everywhere, "too low"},
+    {"height_datum", K::HeightDatum, "offset", 0.3, 10.0, Where::Everywhere, "too high"},
+    {"height_datum", K::HeightDatum, "offset", -0.3, 10.0, Where::Everywhere, "too low"},
 };
 
 constexpr const char* kAbsent = "said to be absent (diagnosis.without)";
@@ -197,6 +197,9 @@ private:
                            [&](const EffectSettings& e) { return e.effect.kind == kind; });
     }
 
+    /// Those of the site, without the starts and ends of impacts.
+    std::size_t screens() const { return observed_.op.screens.size() - 2 * observed_.op.impacts; }
+
     bool said_to_be_absent(const std::string& name) const {
         return std::find(s_.diagnosis_without.begin(), s_.diagnosis_without.end(), name) != s_.diagnosis_without.end();
     }
@@ -215,7 +218,7 @@ private:
         if ((k == K::RestitutionMass || k == K::RollingSize || k == K::IdsShuffled) && !known)
             return "needs blocks that are identified";
         if ((k == K::SpeedError || k == K::SlowMissed) && !measured(Quantity::Speed)) return "no speeds were measured";
-        if (k == K::ScreenShift && observed_.op.screens.empty()) return "there are no screens";
+        if (k == K::ScreenShift && screens() == 0) return "there are no screens";
         if (k == K::BrokenBlock && !has_effect(K::Fragmentation))
             return "needs blocks that break, the effect fragmentation";
         if (k == K::BrokenBlock && !measured(Quantity::Along)) return "no stops were measured";
@@ -241,6 +244,15 @@ private:
         v.reference = search.reference;
         v.most = search.most;
         v = v.on_ground(s_.soils);
+        if (search.where == Where::Screens) {
+            for (std::size_t k = 0; k < screens(); ++k) {
+                DiagnosisVariant at = v;
+                at.place.screen = observed_.op.screens[k];
+                if (screens() > 1) at.label = joined(at.place.screen, v.label);
+                to.variants.push_back(at);
+            }
+            return;
+        }
         if (search.where != Where::StretchOnly) to.variants.push_back(v);
         if (search.where == Where::Soils && s_.soils.size() > 1)
             for (std::size_t k = 0; k < s_.soils.size(); ++k) {

@@ -71,6 +71,9 @@ std::span<const Setting<EffectSettings>> effect_place_keys() {
                      [](const EffectSettings&) { return std::string(); }});
         k.push_back(effect.text(
             "soil", [](EffectSettings & s) -> auto& { return s.soil; }, "Acts on this [[soil]] only; empty: on all."));
+        k.push_back(effect.text(
+            "screen", [](EffectSettings & s) -> auto& { return s.effect.place.screen; },
+            "Of this screen only; empty: of all."));
         k.push_back(effect.path(
             "file", [](EffectSettings & s) -> auto& { return s.place.file; },
             "Polygons in which it acts; lines of a net or berm; polygons or points of trees."));

@@ -10,6 +10,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <set>
 #include <sstream>
 
 namespace scree::cli {
@@ -153,6 +154,19 @@ void apply_parameters(const SiteFile& site, CampaignInput& c) {
     for (std::size_t k = 0; k < c.effects.size(); ++k) c.effects[k].values = s.effects[k].effect.values;
 }
 
+static void require_screens_of_effects(const SiteFile& site, const CampaignInput& campaign) {
+    for (const Effect& effect : campaign.effects) {
+        const std::string& name = effect.place.screen;
+        const auto called_so = [&](const Screen& s) { return s.name == name; };
+        if (name.empty() || std::any_of(campaign.screens.begin(), campaign.screens.end(), called_so)) continue;
+        std::set<std::string> names;
+        for (const Screen& s : campaign.screens) names.insert(s.name);
+        throw InputError(
+            site.file.string() + ": effect " + effect_info(effect.kind).name + ": there is no screen \"" + name + "\"" +
+            (names.empty() ? ": the site has no [screens]" : "; there are " + listed({names.begin(), names.end()})));
+    }
+}
+
 SiteModel load_site(const SiteFile& site) {
     const SiteSettings& s = site.settings;
     SiteModel model;
@@ -194,6 +208,7 @@ SiteModel load_site(const SiteFile& site) {
         add_profiles(site, model);
     else
         add_release_area(site, model);
+    require_screens_of_effects(site, c);
     return model;
 }
 

@@ -94,6 +94,10 @@ public:
             for (std::size_t k = 0; k < kKinematics; ++k)
                 if (std::isfinite(c.value[k])) crossings_[screen][k].push_back(c.error[k]);
         }
+        // Drawn by their place in the list: the order of the measured rows must not matter.
+        std::sort(stops_.begin(), stops_.end());
+        for (auto& screen : crossings_)
+            for (std::vector<double>& errors : screen) std::sort(errors.begin(), errors.end());
     }
 
     /// Standard deviation of a stop. Draws one number of the stream, whatever comes of it.
@@ -393,19 +397,24 @@ std::vector<const ScreenCrossing*> first_crossings(std::span<const ScreenCrossin
 }
 
 void shift_screens(std::span<const Effect> effects, const Axis& axis, CampaignInput& campaign) {
-    double shift = 0.0;
-    for (const Effect& e : effects)
-        if (e.kind == EffectKind::ScreenShift) shift += e.value("shift");
-    if (shift == 0.0) return;
+    const auto shift_of = [&](const std::string& screen) {
+        double shift = 0.0;
+        for (const Effect& e : effects)
+            if (e.kind == EffectKind::ScreenShift && (e.place.screen.empty() || e.place.screen == screen))
+                shift += e.value("shift");
+        return shift;
+    };
     for (Screen& screen : campaign.screens) {
-        if (screen.line.empty()) continue;  // given by its chainage: a mark on the tracks below
+        const double shift = shift_of(screen.name);
+        if (shift == 0.0 || screen.line.empty()) continue;  // given by its chainage: a mark on the tracks below
         const double at = axis.crossing(screen.line);
         const double along = std::isfinite(at) ? at : axis.place(screen.line[screen.line.size() / 2]).along;
         const Vec2 way = axis.point(along + shift) - axis.point(along);
         for (Vec2& p : screen.line) p += way;
     }
     for (ProfileTrack& track : campaign.tracks) {
-        for (ProfileTrack::Mark& mark : track.marks) mark.s += shift;
+        for (ProfileTrack::Mark& mark : track.marks)
+            mark.s += shift_of(campaign.screens[static_cast<std::size_t>(mark.screen)].name);
         std::erase_if(track.marks,
                       [&](const ProfileTrack::Mark& m) { return m.s <= 0.0 || m.s >= track.profile.length(); });
     }

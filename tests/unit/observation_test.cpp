@@ -295,6 +295,13 @@ TEST(ShiftScreens, MovesThemAlongTheAxisAndTheProfiles) {
     ASSERT_EQ(campaign.tracks[0].marks.size(), 2U) << "the other one would stand beyond the end";
     EXPECT_EQ(campaign.tracks[0].marks[0].s, 13.0);
     EXPECT_EQ(campaign.tracks[0].marks[1].s, 8.0);
+
+    shift.set("shift", -2.0);
+    shift.place.screen = "by its chainage";
+    shift_screens(std::vector<Effect>{shift}, Axis(), campaign);
+    EXPECT_EQ(campaign.screens[0].line, (std::vector<Vec2>{{13, -5}, {13, 5}})) << "only the one that is named";
+    EXPECT_EQ(campaign.tracks[0].marks[0].s, 13.0);
+    EXPECT_EQ(campaign.tracks[0].marks[1].s, 6.0);
 }
 
 TEST(ObservationTables, KeepOnlyTheWayAlongForAModelOfOneProfile) {

@@ -13,6 +13,7 @@
 #include <memory>
 #include <optional>
 #include <span>
+#include <string>
 #include <string_view>
 #include <vector>
 
@@ -75,6 +76,7 @@ struct EffectLimits {
     bool lines = false;         ///< lines, which it needs; along a profile, stations
     bool points = false;        ///< points instead of polygons
     bool needs_impact = false;  ///< acts at impacts, which moreau_jean does not have as events of their own
+    bool screen = false;        ///< what one screen measures
 };
 
 /// One number of an effect.
@@ -120,6 +122,7 @@ struct EffectPlace {
         Region region;
     };
     int soil = -1;                     ///< SoilId, -1: all
+    std::string screen;                ///< name, of all its parts; empty: all screens
     std::shared_ptr<const Area> area;  ///< in plan view; none: everywhere
     std::vector<Points> lines;         ///< of a net or berm in plan view; z is not used [m]
     Points points;                     ///< of trees in plan view, by x; along a profile (chainage, offset, -) [m]

@@ -14,7 +14,7 @@ constexpr double kInf = kInfinity, kNo = kNaN;
 constexpr const char* kPlatRock = "CRSP; constant as in PlatRock's Pfeiffer model";
 constexpr const char* kChoice = "range chosen wide enough for rockfall";
 constexpr EffectLimits kAnywhere{}, kOnGround{true, true}, kOnGroundAtImpact{true, true, false, false, true},
-    kInZone{true, true}, kOnLines{false, false, true};
+    kInZone{true, true}, kOnLines{false, false, true}, kAtScreen{false, false, false, false, false, true};
 
 using P = EffectParameter;
 
@@ -226,7 +226,7 @@ constexpr EffectInfo kCatalogue[] = {
      "everything from the first metres on", "The great impostor: measure shapes before naming a rolling law.", kShape},
     {K::SpeedError, "speed_error", "speeds are measured wrong", H::Measurement, kAnywhere,
      "v_measured = (1 + bias) v + noise N(0, 1)", "measurement model", "speeds move, stops do not", "", kSpeedError},
-    {K::ScreenShift, "screen_shift", "a screen is misplaced", H::Measurement, kAnywhere,
+    {K::ScreenShift, "screen_shift", "a screen is misplaced", H::Measurement, kAtScreen,
      "values are those at the chainage of the screen + shift", "measurement model", "all values of one screen", "",
      kScreenShift},
     {K::SlowMissed, "slow_missed", "the camera misses slow blocks", H::Measurement, kAnywhere,

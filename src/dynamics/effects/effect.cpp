@@ -136,6 +136,7 @@ void check_effect(const Effect& effect, bool event_mode) {
         if (given && !allowed) throw InputError(name + " cannot be limited to " + what + ": remove that");
     };
     refuse(place.soil >= 0, info.limits.soil, "a soil");
+    refuse(!place.screen.empty(), info.limits.screen, "a screen");
     refuse(place.area || place.reaches, info.limits.zone, "polygons or a reach");
     refuse(!place.points.empty(), info.limits.points, "points");
     refuse(!place.lines.empty() || !place.stations.empty(), info.limits.lines, "lines");
