@@ -101,6 +101,7 @@ public:
         add_releases();
         decide_matching();
         decide_thrown();
+        sort_pools();
         set_operator();
         return std::move(result_);
     }
@@ -259,6 +260,15 @@ private:
                  "other, so they are compared as a pool with the site's own population");
             return;
         }
+        const auto blocks = static_cast<std::int64_t>(o.blocks.size());
+        if (blocks > 0 && o.stops.empty() && records_.impacts.empty() && s_.thrown != blocks) {
+            find(Severity::Warning, "only_who_passed",
+                 "blocks are known from crossings alone, and those that passed no screen are in no table: they are "
+                 "compared as a pool with the site's own population; list every block that was thrown in "
+                 "stopping_points, without a position where none was measured, or set observed.thrown = " +
+                     std::to_string(blocks) + " if no others were");
+            return;
+        }
         if (without.size() == o.blocks.size()) {
             find(Severity::Warning, "blocks_unknown",
                  "the measured blocks have ids, but neither observations nor block list give their mass_kg, L1_m, "
@@ -309,8 +319,32 @@ private:
         o.thrown = s_.thrown;
         if (o.thrown > 0) return;
         for (const ObservedShare& share : o.shares) o.thrown = std::max(o.thrown, share.thrown);
-        o.thrown =
-            std::max({o.thrown, static_cast<std::int64_t>(o.stops.size()), static_cast<std::int64_t>(o.blocks.size())});
+        o.thrown = std::max(o.thrown, static_cast<std::int64_t>(o.stops.size()));
+        if (o.matched || !o.stops.empty()) o.thrown = std::max(o.thrown, static_cast<std::int64_t>(o.blocks.size()));
+    }
+
+    /// Chance is drawn by the place in a list: of a pool, too, the order of rows says nothing.
+    void sort_pools() {
+        Observations& o = result_.observations;
+        if (o.matched) return;
+        const auto sort = [](auto& records, const auto& numbers_of) {
+            std::stable_sort(records.begin(), records.end(), [&](const auto& a, const auto& b) {
+                const std::vector<double> of_a = numbers_of(a), of_b = numbers_of(b);
+                return std::lexicographical_compare(
+                    of_a.begin(), of_a.end(), of_b.begin(), of_b.end(), [](double x, double y) {
+                        return std::isnan(y) ? false : std::isnan(x) || x < y;  // what is missing first
+                    });
+            });
+        };
+        sort(o.stops, [](const ObservedStop& s) {
+            return std::vector<double>{s.position.x(), s.position.y(), s.error, s.censored ? 1.0 : 0.0};
+        });
+        sort(o.crossings, [](const ObservedCrossing& c) {
+            std::vector<double> numbers{static_cast<double>(c.screen)};
+            numbers.insert(numbers.end(), c.value.begin(), c.value.end());
+            numbers.insert(numbers.end(), c.error.begin(), c.error.end());
+            return numbers;
+        });
     }
 
     void set_operator() {
@@ -481,8 +515,9 @@ ObservedSite planned_test(const SiteFile& site, const SiteModel& model, const st
         const BlockResult& b = campaign.blocks[k];
         bodies.push_back({"B" + std::to_string(k + 1), b.mass, b.size.x(), b.size.y(), b.size.z()});
         const auto row = static_cast<std::int64_t>(k) + 1;
-        if (measured.contains("stops"))
-            records.stops.push_back({row, bodies.back(), b.stop, kNaN, b.reason != StopReason::AtRest, false});
+        const bool stops = measured.contains("stops");  // else it is known who was thrown all the same
+        records.stops.push_back({row, bodies.back(), stops ? b.stop : Vec3::Constant(kNaN), kNaN,
+                                 stops && b.reason != StopReason::AtRest, false});
     }
     for (const FilmedImpact& i : campaign.impacts) {
         const auto end = [&](const FilmedImpact::End& e) {
@@ -503,7 +538,7 @@ ObservedSite planned_test(const SiteFile& site, const SiteModel& model, const st
         if (measured.contains("spin")) r.spin = c.spin;
         records.crossings.push_back(r);
     }
-    if (records.stops.empty() && records.crossings.empty() && records.impacts.empty())
+    if (!measured.contains("stops") && records.crossings.empty() && records.impacts.empty())
         throw InputError("nothing would be measured: --instruments needs stops or impacts, or the site [screens]");
     return Resolver(site, model, records).resolve();
 }

@@ -156,18 +156,26 @@ ObservableSample observable_sample(const ObservationTable& measured, const Obser
         of_block[static_cast<std::size_t>(block)] = point;
     }
 
-    std::vector<std::vector<std::uint32_t>> members(of_block.size());
     const std::vector<char> use =
         balanced_rows(simulated, dimension > 1 && !observable.share ? kMostPoints : simulated.rows());
+    const auto block_of = [&](std::size_t row) {
+        return observable.matched ? static_cast<std::size_t>(simulated.block[row]) : 0;
+    };
+    std::vector<std::vector<double>> points(simulated.rows());
+    std::vector<std::size_t> count(of_block.size(), 0);  // an impact, say, that not every repeat has
     for (std::size_t row = 0; row < simulated.rows(); ++row) {
-        const std::size_t block = observable.matched ? static_cast<std::size_t>(simulated.block[row]) : 0;
-        if (!use[row] || block >= members.size() || (observable.matched && of_block[block].empty())) continue;
-        const std::vector<double> point = point_of(simulated, row, observable);
-        if (point.empty()) continue;
+        const std::size_t block = block_of(row);
+        if (!use[row] || block >= count.size() || (observable.matched && of_block[block].empty())) continue;
+        points[row] = point_of(simulated, row, observable);
+        if (!points[row].empty()) ++count[block];
+    }
+    std::vector<std::vector<std::uint32_t>> members(of_block.size());
+    for (std::size_t row = 0; row < simulated.rows(); ++row) {
+        if (points[row].empty() || (observable.matched && count[block_of(row)] < kLeastRepeats)) continue;
         const auto number = static_cast<std::uint32_t>(sample.simulated.size());
         sample.member_of_row[row] = static_cast<std::int32_t>(number);
-        members[block].push_back(number);
-        sample.simulated.values.insert(sample.simulated.values.end(), point.begin(), point.end());
+        members[block_of(row)].push_back(number);
+        sample.simulated.values.insert(sample.simulated.values.end(), points[row].begin(), points[row].end());
     }
     for (std::size_t b = 0; b < members.size(); ++b) {
         if (members[b].empty()) continue;
@@ -201,11 +209,15 @@ ScoreInput score_input(const ObservationTable& measured, const ObservationTable&
             kept.push_back(c);
             block.observation.push_back(value / scales[c]);
         }
+        if (kept.empty()) continue;
         block.repeats.dimension = kept.size();
-        for (const std::size_t r : rows[static_cast<std::size_t>(b)])
-            for (const std::size_t c : kept)
-                block.repeats.values.push_back(cell(simulated, r, columns[c], true) / scales[c]);
-        if (!kept.empty()) input.blocks.push_back(std::move(block));
+        for (const std::size_t r : rows[static_cast<std::size_t>(b)]) {
+            std::vector<double> repeat;
+            for (const std::size_t c : kept) repeat.push_back(cell(simulated, r, columns[c], true) / scales[c]);
+            if (std::all_of(repeat.begin(), repeat.end(), [](double v) { return std::isfinite(v); }))
+                block.repeats.values.insert(block.repeats.values.end(), repeat.begin(), repeat.end());
+        }
+        if (block.repeats.size() >= kLeastRepeats) input.blocks.push_back(std::move(block));
     }
     return input;
 }

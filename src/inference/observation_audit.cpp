@@ -262,7 +262,7 @@ private:
         for (const ObservedCrossing& c : o_.crossings) {
             if (!std::isfinite(c.position.x())) continue;
             const double distance = distance_to_screen(c);
-            if (distance <= kFarFromScreen) continue;
+            if (distance <= kFarFromScreen || std::isinf(distance)) continue;  // given by its chainage: it has no line
             far.add(name(c.block, c.row) + " at " + op_.screens[static_cast<std::size_t>(c.screen)]);
             farthest = std::max(farthest, distance);
         }

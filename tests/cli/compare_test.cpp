@@ -10,6 +10,7 @@
 #include <nlohmann/json.hpp>
 
 #include <regex>
+#include <set>
 
 namespace scree::test {
 namespace {
@@ -271,36 +272,34 @@ TEST(Compare, CountsAlongTheProfileIn2dAndOnDemandIn3d) {
     EXPECT_THAT(several.err, HasSubstr("needs one profile"));
 }
 
-// Blocks are told by their ids: tables sorted in another way say the same. (Errors differ from row to row in the riddle; what was not recorded is
-// simulated with the error of any row, so all get the same one here.)
+// Blocks are told by their ids, and of a pool nobody knows them: tables sorted in another way say the same. Errors differ from row to row in the riddle, and what was
+// not recorded is simulated with the error of any row.
 TEST(Compare, DoesNotCareForTheOrderOfRows) {
     const TempDir folder;
     const fs::path riddle = quarry_a().parent_path() / "quarry_riddle";
-    const fs::path tables[2] = {folder / "in_order", folder / "turned"};
-    for (const fs::path& table : tables) fs::create_directories(table);
-    for (const char* name : {"stopping_points.csv", "screen_crossings.csv"}) {
-        std::istringstream rows(text_of(riddle / "observed" / name));
-        std::string header, row, in_order, turned;
-        std::getline(rows, header);
-        while (std::getline(rows, row)) {
-            if (header.ends_with("speed_error_ms")) row = row.substr(0, row.rfind(',')) + ",0.3";
-            in_order += row + "\n";
-            turned.insert(0, row + "\n");
+    for (const bool pooled : {false, true}) {
+        json reports[2];
+        for (const bool turned : {false, true}) {
+            const std::string name = std::string(pooled ? "pooled" : "known") + (turned ? "_turned" : "");
+            const fs::path tables = folder / name, out = folder / (name + "_out");
+            fs::create_directories(tables);
+            for (const char* table : {"stopping_points.csv", "screen_crossings.csv"}) {
+                std::istringstream rows(text_of(riddle / "observed" / table));
+                std::string header, row, sorted;
+                std::getline(rows, header);
+                if (pooled) header = std::regex_replace(header, std::regex("block_id"), "nobody");
+                while (std::getline(rows, row)) turned ? sorted.insert(0, row + "\n") : sorted.append(row + "\n");
+                put(tables / table, header + "\n" + sorted);
+            }
+            const Outcome run =
+                scree_program({"compare", (riddle / "site.toml").string(), "--observed", tables.string(), "--output",
+                               out.string(), "--set", "observed.repeats=5", "--set", "observed.draws=100"});
+            ASSERT_EQ(run.code, 0) << run.err;
+            reports[turned] = report(out);
+            reports[turned].erase("inputs");
         }
-        put(tables[0] / name, header + "\n" + in_order);
-        put(tables[1] / name, header + "\n" + turned);
+        EXPECT_EQ(reports[0].dump(), reports[1].dump()) << (pooled ? "pooled" : "known");
     }
-    json reports[2];
-    for (std::size_t k = 0; k < 2; ++k) {
-        const fs::path out = folder / std::to_string(k);
-        const Outcome run =
-            scree_program({"compare", (riddle / "site.toml").string(), "--observed", tables[k].string(), "--output",
-                           out.string(), "--set", "observed.repeats=5", "--set", "observed.draws=100"});
-        ASSERT_EQ(run.code, 0) << run.err;
-        reports[k] = report(out);
-        reports[k].erase("inputs");
-    }
-    EXPECT_EQ(reports[0].dump(), reports[1].dump());
 }
 
 // Crossings without ids are nobody's: they are neither left out nor taken for those of the blocks that the stops know.
@@ -322,6 +321,45 @@ TEST(Compare, IdsInOneTableOnlyMakeAPool) {
     const json speed = observable(report(out), "speed at ES1-A");
     EXPECT_FALSE(speed.at("known_blocks").get<bool>());
     EXPECT_TRUE(speed.at("pooled").at("gap").is_number()) << "the crossings are not lost";
+}
+
+// Of blocks that passed no screen a table of crossings says nothing: that all of those in it have passed one is no finding.
+TEST(Compare, OfCrossingsAloneNobodyKnowsWhoDidNotPass) {
+    const TempDir folder;
+    const fs::path riddle = quarry_a().parent_path() / "quarry_riddle", tables = folder / "observed";
+    fs::create_directories(tables);
+    fs::copy_file(riddle / "observed" / "screen_crossings.csv", tables / "screen_crossings.csv");
+    const auto compared = [&](const std::string& name, const std::vector<std::string>& more) {
+        std::vector<std::string> args{"compare",    (riddle / "site.toml").string(),
+                                      "--observed", tables.string(),
+                                      "--output",   (folder / name).string(),
+                                      "--set",      "observed.repeats=5",
+                                      "--set",      "observed.draws=100"};
+        args.insert(args.end(), more.begin(), more.end());
+        const Outcome run = scree_program(args);
+        EXPECT_EQ(run.code, 0) << run.err;
+        return report(folder / name).dump();
+    };
+    const std::string alone = compared("alone", {});
+    EXPECT_THAT(alone, HasSubstr("only_who_passed"));
+    EXPECT_THAT(alone, HasSubstr("speed at ES1-A"));
+    EXPECT_THAT(alone, Not(HasSubstr("passing ES1-A")));
+
+    std::set<std::string> ids;
+    std::istringstream rows(text_of(tables / "screen_crossings.csv"));
+    std::string row;
+    for (std::getline(rows, row); std::getline(rows, row);) {
+        const std::size_t from = row.find(',') + 1;
+        ids.insert(row.substr(from, row.find(',', from) - from));
+    }
+    const std::string all = compared("all", {"--set", "observed.thrown=" + std::to_string(ids.size())});
+    EXPECT_THAT(all, Not(HasSubstr("only_who_passed")));
+    EXPECT_THAT(all, HasSubstr("passing ES2-A"));
+
+    std::string thrown = "block_id\n";
+    for (const std::string& id : ids) thrown += id + "\n";
+    put(tables / "stopping_points.csv", thrown);
+    EXPECT_THAT(compared("listed", {}), HasSubstr("passing ES2-A")) << "without positions";
 }
 
 // The site as it is cannot be what was measured; with the calibrated soils and the drag that scree diagnose named it can.

@@ -1,8 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "scree/inference/residual_space.hpp"
 
+#include "scree/base/random.hpp"
+
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <string>
 #include <vector>
 
@@ -41,6 +44,58 @@ TEST(ResidualSpace, ZonesAddNothingToStopsThatWereMeasured) {
     const ResidualSpace space(with_stops(pool(300, 400, 1000)), with_stops(pool(20, 16, 40)), {}, {});
     ASSERT_FALSE(space.residuals().empty());
     for (const Residual& r : space.residuals()) EXPECT_EQ(r.column, kAlong);
+}
+
+// Who is fast at the first screen is fast at the second: that the first level says already. The innovation asks what happened on the way in between.
+TEST(ResidualSpace, AnInnovationIsNewsSinceTheScreenBefore) {
+    constexpr std::size_t kBlocks = 160;
+    const std::vector<ObservedBlock> blocks = [] {
+        std::vector<ObservedBlock> list(kBlocks);
+        for (ObservedBlock& b : list) {
+            b.mass = 1000.0;
+            b.size = {1.0, 1.0, 1.0};
+        }
+        return list;
+    }();
+    const Column first{Quantity::Speed, 0}, second{Quantity::Speed, 1};
+    const auto thrown = [&](double faster_at_first, double slowed, std::uint64_t seed, std::size_t repeats) {
+        ObservationTable t{{{Quantity::Passed, 0}, first, {Quantity::Passed, 1}, second}, {{}, {}, {}, {}}, {}};
+        RandomStream random(seed, 1, RandomPurpose::Effect);
+        for (std::size_t k = 0; k < repeats * kBlocks; ++k) {
+            const double v = 10.0 + faster_at_first + 2.0 * random.normal();
+            t.block.push_back(static_cast<std::int32_t>(k % kBlocks));
+            for (const std::size_t passed : {0, 2}) t.values[passed].push_back(1.0);
+            t.values[1].push_back(v);
+            t.values[3].push_back(v - slowed + 0.5 * random.normal());
+        }
+        return t;
+    };
+    const ObservationTable nothing = thrown(0.0, 0.0, 3, 1), faster = thrown(1.5, 0.0, 3, 1),
+                           slowed = thrown(0.0, 0.7, 3, 1);
+    const ResidualSpace space(thrown(0.0, 0.0, 1, 50), nothing, blocks, {});
+    const auto mean_of = [&](const ObservationTable& t, ResidualKind kind, const Column& column) {
+        for (std::size_t k = 0; k < space.residuals().size(); ++k) {
+            if (space.residuals()[k].kind != kind || !(space.residuals()[k].column == column)) continue;
+            double sum = 0.0, count = 0.0;
+            const ResidualRows rows = space.of(t);
+            for (const double v : rows.col(static_cast<Eigen::Index>(k)))
+                if (std::isfinite(v)) {  // faster than any that was simulated: an innovation says nothing
+                    sum += v;
+                    count += 1.0;
+                }
+            return sum / count;
+        }
+        ADD_FAILURE() << "no such residual";
+        return kNaN;
+    };
+    const double chance =
+        3.0 / std::sqrt(static_cast<double>(kBlocks));  // standard errors of a mean of numbers of variance 1
+    for (const ResidualKind kind : {ResidualKind::Level, ResidualKind::Innovation})
+        EXPECT_LT(std::abs(mean_of(nothing, kind, second)), chance);
+    EXPECT_GT(mean_of(faster, ResidualKind::Level, second), chance);
+    EXPECT_LT(std::abs(mean_of(faster, ResidualKind::Innovation, second)), chance) << "no news";
+    EXPECT_LT(mean_of(slowed, ResidualKind::Innovation, second), -2.0 * chance);
+    EXPECT_GT(mean_of(slowed, ResidualKind::Level, second), -2.0 * chance) << "among all speeds little";
 }
 
 }  // namespace
