@@ -123,7 +123,8 @@ void add_options(CLI::App& sub, const Command& command, Context& context) {
         sub.add_flag("--resume", context.resume, "Go on with what was interrupted");
     }
     if (name == "diagnose") {
-        sub.add_flag("--full", context.full, "Three times the simulations: weaker effects, more certain names");
+        sub.add_flag("--full", context.full,
+                     "Three times the simulations, longer calibrations: weaker effects, more certain names");
         sub.add_flag(
             "--plan", context.plan,
             "Nothing is measured yet: what a test of release.count blocks, such as --set release.count=50, with "

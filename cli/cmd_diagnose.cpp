@@ -5,14 +5,15 @@
 #include "cli/diagnose_report.hpp"
 #include "cli/diagnose_where.hpp"
 #include "cli/progress.hpp"
+#include "cli/setting_rows.hpp"
 #include "cli/settings.hpp"
+#include "cli/text.hpp"
 #include "gis/results_writer.hpp"
 #include "scree/base/error.hpp"
 #include "scree/inference/residual_space.hpp"
 
 #include <memory>
 #include <ostream>
-#include <sstream>
 
 namespace scree::cli {
 
@@ -20,16 +21,14 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// What `--full` multiplies: simulations of the diagnosis and length of the searches.
+/// What `--full` multiplies: simulations of the diagnosis, and of a search each; searches are twice as many and twice as long.
 constexpr std::int64_t kFull = 3;
 
 /// Restitution, friction and rolling resistance of every soil, where the site does not say what is free.
 std::vector<std::string> usual_free_keys(const SiteFile& site) {
     std::vector<std::string> keys;
     const auto range = [](double value, double low, double high) {
-        std::ostringstream text;
-        text << std::min(low, value) << ":" << std::max(high, value);
-        return text.str();
+        return number_text(std::min(low, value)) + ":" + number_text(std::max(high, value));
     };
     for (const Soil& soil : site.settings.soils) {
         keys.push_back("soil." + soil.name + ".restitution=" + range(soil.restitution, 0.0, 0.4));
@@ -40,11 +39,12 @@ std::vector<std::string> usual_free_keys(const SiteFile& site) {
     return keys;
 }
 
-std::string subject_of(const DiagnoseStudy& study, const std::vector<std::string>& free, bool full) {
+std::string subject_of(const DiagnoseStudy& study, const std::vector<std::string>& free, const Context& context) {
     SiteSettings portable = study.site.settings;
     portable.output_directory.clear();
     portable.calibration.free.clear();
-    std::string text = "scree " + version() + (full ? " full\n" : "\n");
+    std::string text = "scree " + version() + (context.full ? " full\n" : "\n");
+    if (context.plan) text += "instruments " + context.instruments + "\n";
     for (const std::string& key : free) text += key + "\n";
     for (const std::string& line : study.inputs) text += line + "\n";
     return text +
@@ -135,15 +135,13 @@ gis::ResultsPackage results_of(const DiagnoseStudy& study, const SiteModel& mode
     gis::ResultsPackage package;
     package.frame = model.terrain.data.frame;
     package.title = study.site.settings.name + ": diagnosis";
-    const bool answered = !study.answers.empty();
+    const AnswerFit* answer = study.answer();
     const bool judged = !study.planning && !study.before.observables.empty();
-    const bool in_space = answered && study.answers.front().in_space();
-    if (judged)
-        package.vectors =
-            campaign_vectors(model, answered && !in_space ? study.answers.front().campaign : study.campaign);
+    const bool in_space = answer && answer->in_space();
+    if (judged) package.vectors = campaign_vectors(model, answer && !in_space ? answer->campaign : study.campaign);
     if (in_space && !model.campaign.screens.empty()) package.vectors.push_back(screens_in_space(study.site, model));
-    for (std::size_t k = 0; answered && k < study.answers.front().effects.size(); ++k) {
-        const DiagnosisVariant& variant = study.answers.front().effects[k].variant;
+    for (std::size_t k = 0; answer && k < answer->effects.size(); ++k) {
+        const DiagnosisVariant& variant = answer->effects[k].variant;
         if (variant.place.area) package.vectors.push_back(zone_layer(variant, k));
     }
     if (package.vectors.empty()) package.vectors.push_back(input_layer(model.release, "release", "Release", "Inputs"));
@@ -151,8 +149,8 @@ gis::ResultsPackage results_of(const DiagnoseStudy& study, const SiteModel& mode
     for (const std::string& line : study.inputs) package.provenance.push_back({"input", line});
     const std::vector<Figure> figures = figures_of(study, model, observed);
     if (judged && !model.in_plane()) {  // topmost first
-        if (const AnswerFit* answer = answer_on_blocks(study))
-            package.rasters.push_back(reach_raster(model, answer->campaign, "extended"));
+        if (const AnswerFit* on_blocks = answer_on_blocks(study))
+            package.rasters.push_back(reach_raster(model, on_blocks->campaign, "extended"));
         package.rasters.push_back(reach_raster(model, study.campaign, "calibrated"));
     }
     const auto chosen = [&](const CompareStudy& of, const CampaignResult& campaign, const char* prefix) {
@@ -166,9 +164,9 @@ gis::ResultsPackage results_of(const DiagnoseStudy& study, const SiteModel& mode
     };
     const std::vector<Figure> before =
                                   judged ? chosen(study.before, study.campaign, "calibrated_") : std::vector<Figure>{},
-                              after = answered ? chosen(study.answers.front().study, study.answers.front().campaign,
-                                                        "extended_")
-                                               : std::vector<Figure>{};
+                              after = study.answers.empty() ? std::vector<Figure>{}
+                                                            : chosen(study.answers.front().study,
+                                                                     study.answers.front().campaign, "extended_");
     for (const std::vector<Figure>* list : {&figures, &before, &after})
         for (const Figure& f : *list) package.files.push_back({"figures/" + f.file, f.svg});
     package.files.push_back({"diagnosis.json", diagnose_json(study)});
@@ -216,6 +214,9 @@ ExitCode run_diagnose(const Context& context) {
     std::vector<std::string> free = context.free.empty() ? site.settings.calibration.free : context.free;
     if (free.empty()) free = usual_free_keys(site);
     study.keys = read_free_keys(site, free);
+    if (study.keys.problem.parameters.empty())
+        throw InputError("a diagnosis asks what no parameter can make up for, and choices alone (" + listed(free) +
+                         ") are none: free a number as well, as in --free soil.NAME.rolling=0.002:0.15:log");
     check_absent_effects(site.settings);
     study.settings = settings_of(site, context.full);
     study.search = site.settings.calibration.search;
@@ -239,7 +240,7 @@ ExitCode run_diagnose(const Context& context) {
     if (context.resume && !fs::exists(journal))
         throw InputError("there is no diagnosis to go on with: " + journal.string() +
                          " does not exist; leave --resume out, or give the --output of the one that was stopped");
-    SimulationStore store(journal, subject_of(study, free, context.full));
+    SimulationStore store(journal, subject_of(study, free, context));
     if (fs::exists(journal) && !context.resume) {
         if (!context.overwrite)
             throw InputError(

@@ -45,12 +45,12 @@ std::vector<AtScreen> at_screens(const DiagnoseStudy& study, const CampaignResul
     return all;
 }
 
-/// A value of each cell along the profile with measurements, NaN where no block came.
+/// A value of each cell along a profile, NaN where no block came.
 template <class Value>
-std::vector<double> along(const SiteModel& model, const CampaignResult& campaign, Value value) {
+std::vector<double> along(const SiteModel& model, std::size_t track, const CampaignResult& campaign, Value value) {
     const CampaignInput& c = model.campaign;
-    std::vector<double> values(cells_along(c.tracks.front().profile, c.cell_along), kNaN);
-    for (const auto& [cell, statistics] : campaign.cells_along.front())
+    std::vector<double> values(cells_along(c.tracks[track].profile, c.cell_along), kNaN);
+    for (const auto& [cell, statistics] : campaign.cells_along[track])
         if (statistics.passages > 0) values[cell] = value(statistics);
     return values;
 }
@@ -61,9 +61,9 @@ struct Curves {
 };
 
 template <class Value>
-Curves curves(const std::string& title, const SiteModel& model, const CampaignResult& before,
+Curves curves(const std::string& title, const SiteModel& model, std::size_t track, const CampaignResult& before,
               const CampaignResult& after, Value value) {
-    return {title, along(model, before, value), along(model, after, value)};
+    return {title, along(model, track, before, value), along(model, track, after, value)};
 }
 
 void draw_curve(Svg& svg, const SvgPanel& panel, const std::vector<double>& values, double cell, const char* colour) {
@@ -81,7 +81,8 @@ void draw_curve(Svg& svg, const SvgPanel& panel, const std::vector<double>& valu
     draw();
 }
 
-Figure along_profile(const DiagnoseStudy& study, const AnswerFit& answer, const SiteModel& model) {
+Figure along_profile(const DiagnoseStudy& study, const AnswerFit& answer, const SiteModel& model, std::size_t track) {
+    const ProfileTrack& on = model.campaign.tracks[track];
     const double released = static_cast<double>(std::max<std::int64_t>(answer.campaign.released, 1));
     const auto high = [](CellQuantity quantity) {
         return [q = static_cast<std::size_t>(quantity)](const CellStatistics& s) {
@@ -90,13 +91,13 @@ Figure along_profile(const DiagnoseStudy& study, const AnswerFit& answer, const 
     };
     std::vector<Curves> panels;
     panels.push_back(
-        curves("Reach probability [%]", model, study.campaign, answer.campaign,
+        curves("Reach probability [%]", model, track, study.campaign, answer.campaign,
                [&](const CellStatistics& s) { return 100.0 * static_cast<double>(s.passages) / released; }));
     panels.push_back(
-        curves("Energy, 95 % [kJ]", model, study.campaign, answer.campaign, high(CellQuantity::KineticEnergy)));
-    panels.push_back(
-        curves("Passing height, 95 % [m]", model, study.campaign, answer.campaign, high(CellQuantity::PassingHeight)));
-    const double cell = model.campaign.cell_along, length = model.campaign.tracks.front().profile.length();
+        curves("Energy, 95 % [kJ]", model, track, study.campaign, answer.campaign, high(CellQuantity::KineticEnergy)));
+    panels.push_back(curves("Passing height, 95 % [m]", model, track, study.campaign, answer.campaign,
+                            high(CellQuantity::PassingHeight)));
+    const double cell = model.campaign.cell_along, length = on.profile.length();
     Svg svg(kLeft + kWidth + 24.0, kTop + static_cast<double>(panels.size()) * (kPanel + kGap));
     for (std::size_t k = 0; k < panels.size(); ++k) {
         const Curves& c = panels[k];
@@ -108,7 +109,7 @@ Figure along_profile(const DiagnoseStudy& study, const AnswerFit& answer, const 
                              {{0.0, 0.0}, {length, 1.05 * std::max(most, 1e-9)}}};
         draw_x_axis(svg, panel, "Distance along the profile [m]", 12);
         draw_y_axis(svg, panel, c.title, 5);
-        for (const ProfileTrack::Mark& mark : model.campaign.tracks.front().marks) {
+        for (const ProfileTrack::Mark& mark : on.marks) {
             svg.segment(panel.at({mark.s, panel.data.min.y()}), panel.at({mark.s, panel.data.max.y()}),
                         stroke("#5a2d91", 1.2, "7 3"));
             if (k == 0)
@@ -122,7 +123,10 @@ Figure along_profile(const DiagnoseStudy& study, const AnswerFit& answer, const 
     Vec2 at(kLeft, 22.0);
     at.x() += draw_legend(svg, at, LegendMark::Line, kBeforeColour, "calibrated model");
     draw_legend(svg, at, LegendMark::Line, kSimulatedColour, "with " + answer.name());
-    return {"reach.svg", "What it changes along the profile",
+    const bool one = model.campaign.tracks.size() == 1;
+    const std::string number = std::to_string(track + 1);
+    return {one ? "reach.svg" : "reach_" + number + ".svg",
+            "What it changes along " + (one ? std::string("the profile") : "profile " + number),
             "The measured blocks thrown again and again, with the calibrated model and with " + answer.name() +
                 ". Energies and heights: 95 % of the blocks that come by stay below.",
             svg.text()};
@@ -131,11 +135,9 @@ Figure along_profile(const DiagnoseStudy& study, const AnswerFit& answer, const 
 }  // namespace
 
 const AnswerFit* answer_on_blocks(const DiagnoseStudy& study) {
-    if (study.planning || study.answers.empty() || study.verdict == Verdict::Unknown) return nullptr;
-    const AnswerFit& a = study.answers.front();
-    const bool of_blocks = std::any_of(a.effects.begin(), a.effects.end(),
-                                       [](const AnsweredEffect& e) { return !e.candidate->measurement; });
-    return of_blocks ? &a : nullptr;
+    const AnswerFit* a = study.planning ? nullptr : study.answer();
+    const auto of_blocks = [](const AnsweredEffect& e) { return !e.candidate->measurement; };
+    return a && std::any_of(a->effects.begin(), a->effects.end(), of_blocks) ? a : nullptr;
 }
 
 std::array<ChangedValue, 4> values_of(const ScreenChange& c) {
@@ -160,7 +162,12 @@ std::vector<Figure> consequence_figures(const DiagnoseStudy& study, const SiteMo
     const AnswerFit* answer = answer_on_blocks(study);
     if (!answer) return {};
     if (answer->in_space()) return {};  // a profile and a map are not put side by side
-    if (model.in_plane()) return {along_profile(study, *answer, model)};
+    if (model.in_plane()) {
+        std::vector<Figure> profiles;
+        for (std::size_t k = 0; k < model.campaign.tracks.size(); ++k)
+            if (!answer->campaign.cells_along[k].empty()) profiles.push_back(along_profile(study, *answer, model, k));
+        return profiles;
+    }
     std::vector<Figure> maps{reach_map("calibrated model", model, observed, study.campaign),
                              reach_map("with " + answer->name(), model, observed, answer->campaign)};
     maps[0].file = "reach_calibrated.svg";

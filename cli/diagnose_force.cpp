@@ -73,7 +73,8 @@ std::vector<std::string> force_sentences(const DiagnoseStudy& study) {
                 short_number(std::abs(best)) + ")"};
     const double sign = best > 0.0 ? 1.0 : -1.0;
     std::vector<std::string> sentences;
-    const double beyond_chance = study.by_force.score.q - static_cast<double>(study.by_force.residuals.size());
+    const double beyond_chance = study.by_force.score.q - static_cast<double>(study.by_force.residuals.size()) +
+                                 static_cast<double>(study.keys.problem.parameters.size());
     const double taken = study.by_force.score.z.array().square().maxCoeff();
     if (taken < kForceMost * beyond_chance)
         sentences.push_back("no force along the motion explains it: the best takes away " +

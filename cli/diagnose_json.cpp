@@ -27,7 +27,7 @@ Json finding_json(const DiagnoseStudy& study, const EffectFinding& f) {
               {"measurement", study.candidate_of(f).measurement},
               {"z", f.z},
               {"visibility_at_reference", f.visibility},
-              {"reference", {{"parameter", v.parameter}, {"unit", v.unit()}, {"value", v.reference}}}};
+              {"reference", {{"parameter", v.parameter}, {"unit", v.unit()}, {"value", v.value(1.0)}}}};
     if (std::isfinite(f.smallest_seen)) {
         const DiagnosisVariant seen = study.catalogue.variant(f.effect, f.seen_variant, f.seen_on);
         json["smallest_seen"] = {{"form", seen.form()},

@@ -56,7 +56,8 @@ void print_answers(std::ostream& out, const DiagnoseStudy& study) {
         for (const AnsweredEffect& e : a.effects)
             out << "  " << variant_name(e.variant) << ": " << strength_text(e) << "\n";
         if (const auto share = removable_gap_closed(study, a))
-            out << "  closes " << short_number(100.0 * std::min(1.0, *share)) << " % of the removable held-out gap\n";
+            out << (*share > 0.0 ? "  closes " : "  widens by ")
+                << short_number(100.0 * std::min(1.0, std::abs(*share))) << " % of the removable held-out gap\n";
     }
     const std::vector<ScreenChange> changes = changes_at_screens(study);
     if (changes.empty()) return;
@@ -101,9 +102,11 @@ std::string extended_toml(const DiagnoseStudy& study, const fs::path& to) {
     for (const std::string& remark : diagnose_remarks(study)) text << "# Note: " << remark << ".\n";
     for (const std::string& input : study.inputs) text << "# Input: " << input << "\n";
     text << "\n";
-    const bool with = !study.answers.empty() && study.verdict != Verdict::Unknown;
-    const SiteFile site = with ? extended_site(study, study.answers.front(), fs::absolute(to) / "results.gpkg")
-                               : with_changes(study.site, study.keys.changes(study.tested_point()));
+    const AnswerFit* answer = study.answer();
+    const SiteFile site =
+        answer ? extended_site(study, *answer, fs::absolute(to) / "results.gpkg")
+               : with_changes(study.site, study.keys.changes(study.verdict == Verdict::None ? study.tested_point()
+                                                                                            : study.baseline.point));
     SiteSettings settings = site.settings;
     settings.output_directory = "out";
     text << settings_as_toml(settings, [&](const std::string& path) {

@@ -93,10 +93,13 @@ public:
 
     /// Answers are calibrated from where the diagnosis followed them to. So is the model without them, which stays where it was if that leaves more.
     void calibrate_again() {
-        CalibratedModel again = calibrated("baseline_again", {}, study_.diagnosis.parameters);
-        if (study_.interrupted || !(again.result.best_fit.loss < study_.baseline.result.best_fit.loss)) return;
-        study_.baseline = std::move(again);
-        study_.before = compared(study_.baseline, {}, study_.campaign);
+        const CalibratedModel again = calibrated("baseline_again", {}, study_.diagnosis.parameters);
+        if (study_.interrupted) return;
+        if (again.result.best_fit.loss < study_.baseline.result.best_fit.loss) {
+            study_.baseline = again;
+            study_.before = compared(study_.baseline, {}, study_.campaign);
+        }
+        if (!study_.interrupted) stay_as_followed(again.result, {}, study_.baseline, study_.before, study_.campaign);
     }
 
     /// What has no name: when, where and for which blocks it acts, as forces tell whose fingerprints are held against what the model leaves.
@@ -233,7 +236,8 @@ private:
             for (const std::size_t level : levels) words << level << " ";
             for (const EffectDose& d : task.effects) {
                 const DiagnosisVariant& v = catalogue.candidates[d.effect].variants[d.variant];
-                words << v.form() << " " << v.label << " " << v.parameter << " " << d.strength << " ";
+                words << v.form() << " " << v.label << " " << v.parameter << " " << v.reference << " "
+                      << (v.probe ? "probe " : "") << d.strength << " ";
                 if (d.on) words << d.on->from << " " << d.on->to << " ";
             }
             words << task.seed << " " << task.repeats;
@@ -336,18 +340,22 @@ private:
         return compared;
     }
 
-    /// A refit minimises a part of what is compared, and may end far from the rest. Where it began, at what was followed, all measurements had their part.
-    void stay_as_followed(AnswerFit& fit) {
-        CalibratedModel followed = fit.model;
-        followed.result.best = followed.result.start;
-        followed.result.best_fit = followed.result.start_fit;
+    /// A refit minimises a part of what is compared, and may end far from the rest. Where it began, at what was followed, all measurements had their part. One
+    /// rule for the model with and without effects. Blocks held out were predicted by refits either way.
+    void stay_as_followed(const CalibrationResult& refit, const std::vector<AnsweredEffect>& effects,
+                          CalibratedModel& model, CompareStudy& compared_model, CampaignResult& campaign) {
+        if (!is_far_beyond(compared_model)) return;
+        CalibratedModel followed = model;
+        followed.result.best = refit.start;
+        followed.result.best_fit = refit.start_fit;
+        followed.as_followed = true;
         take_best(followed, followed.strengths.size());
-        CampaignResult campaign;
-        CompareStudy study = compared(followed, fit.effects, campaign);
-        if (study_.interrupted || !(study.overall.gap < fit.study.overall.gap)) return;
-        fit.model = std::move(followed);
-        fit.study = std::move(study);
-        fit.campaign = std::move(campaign);
+        CampaignResult of_followed;
+        CompareStudy study = compared(followed, effects, of_followed);
+        if (study_.interrupted || !(study.overall.gap < compared_model.overall.gap)) return;
+        model = std::move(followed);
+        compared_model = std::move(study);
+        campaign = std::move(of_followed);
     }
 
     void refit(const std::vector<EffectFinding>& findings) {
@@ -362,7 +370,7 @@ private:
         fit.model = calibrated(name, fit.effects, findings.front().parameters);
         if (study_.interrupted) return;
         fit.study = compared(fit.model, fit.effects, fit.campaign);
-        if (!study_.interrupted && is_far_beyond(fit.study)) stay_as_followed(fit);
+        if (!study_.interrupted) stay_as_followed(fit.model.result, fit.effects, fit.model, fit.study, fit.campaign);
         if (study_.interrupted) return;
         const std::size_t first = fit.model.result.parameters.size() - fit.model.strengths.size();
         const SiteFile site = test_.site_at(fit.model.point);
@@ -396,9 +404,11 @@ std::string Runner::journal_subject(const std::string& name) const {
     return "{\"diagnosis\":\"" + quoted + "\"}";
 }
 
-/// Those with ids, else as many as were thrown.
-std::size_t measured_blocks(const Observations& o) {
-    return o.matched ? o.blocks.size() : static_cast<std::size_t>(std::max<std::int64_t>(o.thrown, 0));
+/// Those with ids, else as many as were thrown, or at least seen.
+std::size_t measured_blocks(const ObservedSite& observed) {
+    const Observations& o = observed.observations;
+    if (o.matched) return o.blocks.size();
+    return std::max(side_by_side(o, observed.op).rows(), static_cast<std::size_t>(std::max<std::int64_t>(o.thrown, 0)));
 }
 
 }  // namespace
@@ -460,7 +470,7 @@ static double spread_beside(const ObservedSite& observed) {
 }
 
 static void set_test(const DiagnoseInput& input, DiagnoseStudy& study) {
-    study.blocks = measured_blocks(input.observed.observations);
+    study.blocks = measured_blocks(input.observed);
     study.screens = input.observed.op.screens;
     study.zones = input.observed.op.zones;
     study.impacts = input.observed.op.impacts;

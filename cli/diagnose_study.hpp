@@ -19,6 +19,8 @@ struct CalibratedModel {
     std::vector<double> strengths;  ///< of the effects that have one [-]
     CalibrationResult result;
     std::size_t evaluations = 0;  ///< simulations that it took [-]
+    bool as_followed =
+        false;  ///< `point` is where the diagnosis followed it to, which its calibration left for what is worse as a whole
 };
 
 /// An effect of an answer.
@@ -79,6 +81,10 @@ struct DiagnoseStudy {
     std::string demoted;  ///< why the verdict is weaker than the diagnosis alone has it; empty: it is not
     bool interrupted = false;
 
+    /// The best one; null where there is none, or where none was left by the refits.
+    const AnswerFit* answer() const {
+        return answers.empty() || verdict == Verdict::Unknown ? nullptr : &answers.front();
+    }
     const DiagnosisCandidate& candidate_of(const EffectFinding& f) const { return catalogue.candidates[f.effect]; }
     /// The parameters without effect that all measurements together ask for: the calibration minimises a part of them.
     CalibrationPoint tested_point() const;

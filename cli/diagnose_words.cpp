@@ -235,7 +235,7 @@ std::vector<std::string> where_sentences(const DiagnoseStudy& study) {
 }
 
 /// Where else an effect may be expected. A place is one; a law holds as far as it was seen.
-static std::string transfer(const DiagnoseStudy& study, const AnsweredEffect& e) {
+static std::string transfer(const CampaignResult& campaign, const AnsweredEffect& e) {
     if (e.candidate->measurement)
         return e.candidate->name + " is a matter of this test: it says nothing of other slopes";
     if (e.variant.space)
@@ -247,7 +247,7 @@ static std::string transfer(const DiagnoseStudy& study, const AnsweredEffect& e)
                "of the model where there is none";
     double lightest = kInfinity, heaviest = 0.0;
     std::vector<double> speeds;
-    for (const BlockResult& b : study.campaign.blocks) {
+    for (const BlockResult& b : campaign.blocks) {
         lightest = std::min(lightest, b.mass);
         heaviest = std::max(heaviest, b.mass);
         speeds.push_back(b.largest_speed);
@@ -273,6 +273,13 @@ static std::string tested_elsewhere(const DiagnoseStudy& study) {
     return text;
 }
 
+static std::string as_followed_remark(const std::string& model) {
+    return model +
+           " stays where the diagnosis followed it to: the calibration, which minimises a part of what is compared, "
+           "left "
+           "it for what is worse as a whole; blocks held out were predicted by calibrations";
+}
+
 /// What a 2D model leaves out; empty where that is the answer.
 static std::string sideways_remark(const DiagnoseStudy& study) {
     for (const AnswerFit& a : study.answers)
@@ -283,6 +290,11 @@ static std::string sideways_remark(const DiagnoseStudy& study) {
     if (study.beside > kWorthTelling)
         known += (known.empty() ? "" : "; ") + ("the stops lie " + short_number(study.beside)) +
                  " m to the sides of the axis, in standard deviations";
+    if (study.verdict == Verdict::None)
+        return study.beside > kWorthTelling
+                   ? "the model is 2D and says nothing of what blocks do sideways: model.dimension = 3 does (" + known +
+                         ")"
+                   : "";
     return "the model is 2D: what blocks do sideways can look like an effect; confirm with model.dimension = 3" +
            (known.empty() ? "" : " (" + known + ")");
 }
@@ -304,8 +316,10 @@ std::vector<std::string> diagnose_remarks(const DiagnoseStudy& study) {
                               elsewhere +
                               ": with that the model could have produced it, and site_extended.toml has it");
     }
+    if (study.baseline.as_followed) remarks.push_back(as_followed_remark("the calibrated model"));
     for (const AnswerFit& a : study.answers) {
-        if (study.verdict == Verdict::Unknown) break;
+        if (a.model.as_followed) remarks.push_back(as_followed_remark("the model with " + a.name()));
+        if (study.verdict == Verdict::Unknown) continue;
         for (const AnsweredEffect& e : a.effects)
             if (!e.variant.space && e.strength > (1.0 - kInRange) * e.variant.most)
                 remarks.push_back("the strength of " + e.candidate->name + " lies at the end of what was searched");
@@ -324,7 +338,7 @@ std::vector<std::string> diagnose_remarks(const DiagnoseStudy& study) {
         for (const AnswerFit& a : study.answers)
             for (const AnsweredEffect& e : a.effects)
                 remarks.push_back(e.candidate->name + " would show in " + e.variant.seen_in());
-    if (study.in_plane && !study.planning && study.verdict != Verdict::None) {
+    if (study.in_plane && !study.planning) {
         const std::string sideways = sideways_remark(study);
         if (!sideways.empty()) remarks.push_back(sideways);
     }
@@ -333,7 +347,7 @@ std::vector<std::string> diagnose_remarks(const DiagnoseStudy& study) {
                           " that were searched");
     if (study.verdict == Verdict::Named || study.verdict == Verdict::Group)
         for (const AnswerFit& a : study.answers)
-            for (const AnsweredEffect& e : a.effects) remarks.push_back(transfer(study, e));
+            for (const AnsweredEffect& e : a.effects) remarks.push_back(transfer(a.campaign, e));
     return remarks;
 }
 

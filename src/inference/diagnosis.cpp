@@ -443,9 +443,9 @@ void Diagnoser::weigh(Diagnosis& d, std::vector<Hypothesis>& followed) const {
     for (const Hypothesis& h : followed) log_weight.push_back(log_of(h));
     const Hypothesis& best = followed.front();
     const double z = d.score.z[static_cast<Eigen::Index>(best.fingerprint)];
-    const double gain = best.from_given
-                            ? std::max(d.score.q - best.q, 0.0)
-                            : std::max(z > 0.0 ? z * z : 0.0, std::min(d.score.q, left_without_) - best.q - kQNoise);
+    const double without = std::min(d.score.q, left_without_);
+    const double gain =
+        best.from_given ? std::max(without - best.q, 0.0) : std::max(z > 0.0 ? z * z : 0.0, without - best.q - kQNoise);
     const double log_none = log_weight.front() - 0.5 * gain - price(best) + std::log(settings_.prior_none);
     const double left = best.q + gain,
                  free = std::max(
@@ -522,7 +522,10 @@ Diagnosis Diagnoser::run(Of of) {
         if (d.answer.empty() || round == kReturns) break;
         const Eigen::VectorXd before = base_.parameters;
         if (!return_without(d, followed.front())) return d;
-        if (base_.parameters == before) break;
+        if (base_.parameters == before) {  // but perhaps less is left without effect than was known
+            conclude(d, followed);
+            break;
+        }
     }
     d.parameters.assign(base_.parameters.data(), base_.parameters.data() + base_.parameters.size());
     d.simulated_blocks = simulated_;

@@ -52,12 +52,9 @@ bool explain_with_two(const DiagnosisProblem& problem, const DiagnosisSimulation
     if (!alone && !pair) return true;
     std::vector<double> parameters = pair ? more.answer.front().parameters : more.parameters;
     const double share = parameters.back();
-    if (share < kLeastStrength) return true;
-    if (pair) {
-        const double deviation = more.answer.front().parameter_deviation.back();
-        if (share < kSure * deviation) return true;
-        first.strength_deviation = most * deviation;
-    }
+    const double deviation = pair ? more.answer.front().parameter_deviation.back() : first.strength_deviation / most;
+    if (share < kLeastStrength || share < kSure * deviation) return true;
+    first.strength_deviation = most * deviation;
     parameters.pop_back();
     first.strength = most * share;
     first.parameters = parameters;

@@ -201,8 +201,9 @@ TEST(Diagnose, WhatAProfileLeavesOutHasAName) {
 TEST(Diagnose, InSpaceItHasMaps) {
     const TempDir folder;
     const fs::path out = folder / "out";
-    const Outcome run = diagnose(out, {"--observed", field_test(folder / "field", 8, 3).string(), "--set",
-                                       "model.dimension=3", "--set", "diagnosis.reference_repeats=12"});
+    const Outcome run = diagnose(
+        out, {"--observed", field_test(folder / "field", 8, 3).string(), "--set", "model.dimension=3", "--set",
+              "diagnosis.reference_repeats=12", "--set", "diagnosis.level=0.001"});  // chance is no matter here
     ASSERT_EQ(run.code, 0) << run.err;
     EXPECT_THAT(run.out, HasSubstr("=> NONE"));
     EXPECT_THAT(run.out, Not(HasSubstr("confirm with model.dimension = 3")));
@@ -277,6 +278,18 @@ TEST(Diagnose, RefusesInOneSentence) {
     EXPECT_EQ(absent.code, 3);
     EXPECT_THAT(absent.err, HasSubstr("diagnosis.without: \"snow\" is no effect that is searched for; there are"));
     EXPECT_FALSE(fs::exists(folder / "out.journal")) << "before anything is simulated";
+    const auto plan = [&](const std::vector<std::string>& more) {
+        std::vector<std::string> args{"diagnose", (quarry_a() / "site.toml").string(), "--plan", "--output",
+                                      (folder / "out").string()};
+        args.insert(args.end(), more.begin(), more.end());
+        return scree_program(args);
+    };
+    const Outcome choices = plan({"--free", "blocks.shape=hull,box"});
+    EXPECT_EQ(choices.code, 3);
+    EXPECT_THAT(choices.err, HasSubstr("choices alone (blocks.shape=hull,box) are none: free a number as well"));
+    const Outcome digits = plan({"--set", "release.count=7", "--set", "calibration.free=[]", "--set",
+                                 "soil.compact waste.restitution=0.412345678912"});
+    EXPECT_THAT(digits.err, HasSubstr("A test of 7 blocks")) << "a value of many digits is in the range made for it";
     const Outcome few = diagnose(folder / "out", {"--plan", "--set", "release.count=7"});
     EXPECT_EQ(few.code, 3);
     EXPECT_THAT(few.err, HasSubstr("A test of 7 blocks is too small for a diagnosis, which needs at least 8"));

@@ -11,6 +11,7 @@
 #include <algorithm>
 #include <cmath>
 #include <iostream>
+#include <set>
 
 namespace scree {
 namespace {
@@ -230,6 +231,32 @@ TEST(Diagnosis, SimulatesLittleOfWhatIsFarBehind) {
     EXPECT_LT(simulated[kSorted], simulated[kMassTrend] / 2);  // 0.43 of it; followed to its end 0.63
     for (const std::size_t unlike : {kSpeedCap, kDepositAt50, kSpeedBias})
         EXPECT_LT(simulated[unlike], simulated[kMassTrend] / 20);  // their fingerprints
+}
+
+// Two names for one and the same thing: no measurement tells them apart, and neither is the answer alone.
+TEST(Diagnosis, GroupsWhatLooksAlike) {
+    const auto blocks = blocks_of_test();
+    std::vector<CandidateEffect> effects = all_effects();
+    constexpr std::size_t kTwin = kHeldBack;
+    effects.push_back({"its twin", false, {{"", 5.0}}});
+    const DiagnosisProblem problem = problem_for(blocks, effects);
+    const DiagnosisSimulation simulate = [&](DiagnosisTask task) {
+        for (EffectDose& d : task.effects)
+            if (d.effect == kTwin) d.effect = kMassTrend;
+        return std::optional(throw_blocks(blocks, task));
+    };
+    int grouped = 0;
+    for (std::uint64_t k = 0; k < 4; ++k) {
+        const Diagnosis d =
+            diagnose(problem, measured(blocks, 100 + k, {{kMassTrend, 0, 3.0}}), quick(k), simulate, {});
+        EXPECT_NE(d.verdict, Verdict::Named);
+        if (d.verdict != Verdict::Group) continue;
+        ++grouped;
+        std::set<std::size_t> members;
+        for (const EffectFinding& f : d.answer) members.insert(f.effect);
+        EXPECT_TRUE(members.count(kMassTrend) && members.count(kTwin));
+    }
+    EXPECT_GE(grouped, 3);
 }
 
 // How often what is said is right, in more tests than the default ones have time for: the figures in src/README.md.
