@@ -138,7 +138,10 @@ gis::ResultsPackage results_of(const DiagnoseStudy& study, const SiteModel& mode
     const AnswerFit* answer = study.answer();
     const bool judged = !study.planning && !study.before.observables.empty();
     const bool in_space = answer && answer->in_space();
-    if (judged) package.vectors = campaign_vectors(model, answer && !in_space ? answer->campaign : study.campaign);
+    if (judged) {  // that of site_extended.toml, but for a third dimension, which has no profile
+        const CampaignResult& shown = !answer ? study.tested_campaign : in_space ? study.campaign : answer->campaign;
+        package.vectors = campaign_vectors(model, shown);
+    }
     if (in_space && !model.campaign.screens.empty()) package.vectors.push_back(screens_in_space(study.site, model));
     for (std::size_t k = 0; answer && k < answer->effects.size(); ++k) {
         const DiagnosisVariant& variant = answer->effects[k].variant;

@@ -162,6 +162,7 @@ std::string diagnose_json(const DiagnoseStudy& study) {
         }
         baseline["gap_fitted"] = study.baseline.result.best_fit.gap();
         baseline["gap_over_all"] = study.before.overall.gap;
+        if (std::isfinite(study.tested_gap)) baseline["gap_over_all_tested"] = study.tested_gap;
         if (!study.baseline.result.folds.empty()) {
             baseline["held_out_loss"] = study.baseline.result.held_out.loss;
             baseline["held_out_gap"] = study.baseline.result.held_out.gap();

@@ -103,10 +103,8 @@ std::string extended_toml(const DiagnoseStudy& study, const fs::path& to) {
     for (const std::string& input : study.inputs) text << "# Input: " << input << "\n";
     text << "\n";
     const AnswerFit* answer = study.answer();
-    const SiteFile site =
-        answer ? extended_site(study, *answer, fs::absolute(to) / "results.gpkg")
-               : with_changes(study.site, study.keys.changes(study.verdict == Verdict::None ? study.tested_point()
-                                                                                            : study.baseline.point));
+    const SiteFile site = answer ? extended_site(study, *answer, fs::absolute(to) / "results.gpkg")
+                                 : with_changes(study.site, study.keys.changes(study.tested_point()));
     SiteSettings settings = site.settings;
     settings.output_directory = "out";
     text << settings_as_toml(settings, [&](const std::string& path) {

@@ -86,6 +86,8 @@ public:
                 if (!study_.interrupted) refit({f});
         }
         if (!study_.interrupted) judge_refits(study_);
+        if (!study_.interrupted && !study_.answer())
+            study_.tested_gap = compared(tested_model(), {}, study_.tested_campaign).overall.gap;
         if (study_.interrupted || !in_.site.settings.diagnosis_further) return;
         if (study_.verdict == Verdict::Unknown) try_forces();
         if (study_.verdict == Verdict::Group) try_instruments_on_group();
@@ -154,7 +156,7 @@ public:
 
     CalibratedModel tested_model() const {
         CalibratedModel model = study_.baseline;
-        model.point = study_.tested_point();
+        model.point = model.result.best = study_.tested_point();
         return model;
     }
 

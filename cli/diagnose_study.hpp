@@ -73,6 +73,8 @@ struct DiagnoseStudy {
     CompareStudy before;  ///< the calibrated model
     CampaignResult campaign;
     Diagnosis diagnosis;
+    CampaignResult tested_campaign;       ///< of the model at tested_point(), where there is no answer
+    double tested_gap = kNaN;             ///< over all, of the same [-]
     Verdict verdict = Verdict::None;      ///< after the refits
     std::vector<AnswerFit> answers;       ///< refitted, best first
     DiagnosisCatalogue forces;            ///< without a name, tried where the verdict is UNKNOWN

@@ -309,12 +309,14 @@ std::vector<std::string> diagnose_remarks(const DiagnoseStudy& study) {
                               " of the calibrated model lies on the edge of its range: a missing "
                               "effect often drives it there");
     }
-    if (study.verdict == Verdict::None) {
+    if (!study.planning && (study.verdict == Verdict::None || study.verdict == Verdict::Unknown)) {
         const std::string elsewhere = tested_elsewhere(study);
         if (!elsewhere.empty())
-            remarks.push_back("the calibration minimises a part of what was measured; all of it together asks for " +
-                              elsewhere +
-                              ": with that the model could have produced it, and site_extended.toml has it");
+            remarks.push_back(
+                "the calibration minimises a part of what was measured; all of it together asks for " + elsewhere +
+                ": " + (study.verdict == Verdict::None ? "with that the model could have produced it, and " : "") +
+                "site_extended.toml and results.gpkg have that (gap over all " + gap_number(study.tested_gap) +
+                "; of the calibrated model " + gap_number(study.before.overall.gap) + ")");
     }
     if (study.baseline.as_followed) remarks.push_back(as_followed_remark("the calibrated model"));
     for (const AnswerFit& a : study.answers) {

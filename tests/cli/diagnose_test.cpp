@@ -10,6 +10,7 @@
 #include <nlohmann/json.hpp>
 
 #include <filesystem>
+#include <regex>
 #include <sstream>
 
 namespace scree::test {
@@ -196,6 +197,48 @@ TEST(Diagnose, WhatAProfileLeavesOutHasAName) {
     ASSERT_EQ(again.code, 0) << again.err;
     EXPECT_FALSE(read_points(folder / "again" / "results.gpkg", "screen_crossings").empty())
         << "the screens stand in space";
+}
+
+TEST(Diagnose, WhatActsInAPlaceIsALayerOfItsOwn) {
+    const TempDir folder;
+    std::string text = text_of(quarry_a() / "site.toml");
+    text = std::regex_replace(text, std::regex("\"data/"), "\"" + (quarry_a() / "data").string() + "/");
+    put(folder / "site.toml", text + "\n[[effect]]\nkind = \"soil_patch\"\nfrom = 20.0\nto = 32.0\nrolling = 0.5\n");
+    const Outcome field =
+        scree_program({"run", (folder / "site.toml").string(), "--output", (folder / "field").string(), "--set",
+                       "model.dimension=2", "--set", "release.count=30", "--seed", "5"});
+    ASSERT_EQ(field.code, 0) << field.err;
+    const fs::path out = folder / "out";
+    const Outcome run = diagnose(
+        out, {"--observed", (folder / "field").string(), "--set", "diagnosis.rounds=2", "--set",
+              R"(diagnosis.without=["low_friction", "forest_drag", "slip_friction", "rolling_size", "rolling_speed", )"
+              R"("restitution_mass", "restitution_half_speed", "fragmentation", "release_motion", "block_shape", )"
+              R"("roughness", "ground_drag", "third_dimension", "screen_shift", "slow_missed", "ids_shuffled"])"});
+    ASSERT_EQ(run.code, 0) << run.err;
+    EXPECT_THAT(run.out, HasSubstr("=> NAMED: soil_patch, that holds blocks back"));
+    EXPECT_THAT(run.out, HasSubstr("soil_patch belongs to that place"));
+    const json answer = json::parse(text_of(out / "diagnosis.json")).at("answer").at(0);
+    EXPECT_NEAR(answer.at("between_m").at(0).get<double>(), 20.0, 6.0);
+    EXPECT_NEAR(answer.at("between_m").at(1).get<double>(), 32.0, 6.0);
+
+    // the layer and the site that reads it, moved to wherever they are needed
+    const fs::path extended = out / "site_extended.toml";
+    EXPECT_THAT(text_of(extended), HasSubstr("kind = 'soil_patch'"));
+    const Outcome check = scree_program({"check", extended.string()});
+    ASSERT_EQ(check.code, 0) << check.err;
+    const auto mean_stop = [&](const fs::path& site, const std::string& name) {
+        const Outcome again = scree_program({"run", site.string(), "--output", (folder / name).string(), "--set",
+                                             "model.dimension=2", "--set", "release.count=200"});
+        EXPECT_EQ(again.code, 0) << again.err;
+        double mean = 0.0;
+        for (const PointRow& stop : read_points(folder / name / "results.gpkg", "stopping_points"))
+            mean += stop.number("s_m") / 200.0;
+        return mean;
+    };
+    const double without_it = mean_stop(quarry_a() / "site.toml", "without"),
+                 truth = mean_stop(folder / "site.toml", "truth"), found = mean_stop(extended, "found");
+    EXPECT_LT(truth, without_it - 5.0);
+    EXPECT_NEAR(found, truth, 0.5 * (without_it - truth)) << "it acts there";
 }
 
 TEST(Diagnose, InSpaceItHasMaps) {
