@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "scree/inference/calibration.hpp"
 
+#include "inference/calibration_plan.hpp"
 #include "inference/calibration_surroundings.hpp"
 #include "inference/cma_es.hpp"
 
@@ -18,10 +19,7 @@ namespace {
 constexpr double kFirstStep = 0.2;  // standard deviation of the first generation, in shares of the range [-]
 constexpr double kFirstHalf = 0.2;  // half width of the first box around the best point [-]
 constexpr double kApart = 0.25;     // starts of one level are so far apart if they can be, in shares of the range [-]
-constexpr std::size_t kRaceSeeds = 3;          // [-]
-constexpr std::size_t kSurroundingRounds = 2;  // the second box follows from the first fit [-]
-constexpr std::int64_t kRaceDraws = 1000;      // of the records, for how far a level is behind [-]
-constexpr std::size_t kSeen = 2;               // simulated points that compete with the quadratic's minimum [-]
+constexpr std::int64_t kRaceDraws = 1000;  // of the records, for how far a level is behind [-]
 constexpr double kDescribes = 0.5;   // share of the variance of losses that a quadratic worth the name explains [-]
 constexpr std::size_t kBestFew = 3;  // points that others are held against [-]
 constexpr double kSurely = 3.0;      // standard errors by which a point is surely worse than they are [-]
@@ -31,48 +29,6 @@ enum Stream : std::uint64_t { kScreening, kHypercube, kRace, kJudgement, kFolds,
 constexpr std::uint64_t kSearchStreams = 1ULL << 20, kSurroundingStreams = 1ULL << 40;
 
 struct Stopped {};
-
-std::size_t positive(std::int64_t n) {
-    return static_cast<std::size_t>(std::max<std::int64_t>(n, 0));
-}
-
-/// Everything that `settings` leave open, decided.
-struct Plan {
-    std::vector<std::vector<std::size_t>> levels;  ///< every combination of choices
-    std::size_t dimension = 0, screening = 0, starts = 0, population = 0, generations = 0, surroundings = 0, folds = 0,
-                places = 0;
-
-    Plan(const CalibrationProblem& problem, const CalibrationSettings& s) : dimension(problem.parameters.size()) {
-        levels.emplace_back();
-        for (const CalibrationChoice& choice : problem.choices) {
-            std::vector<std::vector<std::size_t>> more;
-            for (const auto& before : levels)
-                for (std::size_t l = 0; l < choice.levels.size(); ++l) {
-                    more.push_back(before);
-                    more.back().push_back(l);
-                }
-            levels = std::move(more);
-        }
-        folds = s.folds < 2 || dimension == 0 ? 0 : std::min(positive(s.folds), problem.records);
-        places = folds == 0 || problem.places.size() < 2 ? 0 : problem.places.size();
-        starts = 1;
-        if (dimension == 0) return;
-        screening = s.screening > 0 ? positive(s.screening) : std::max<std::size_t>(8, 4 * dimension);
-        starts = std::min(std::max<std::size_t>(1, positive(s.starts) / levels.size()), screening);
-        population = s.population > 0 ? std::max<std::size_t>(2, positive(s.population))
-                                      : static_cast<std::size_t>(CmaEs::default_population(dimension));
-        generations = positive(s.generations);
-        const std::size_t coefficients = QuadraticFit::coefficients(dimension);
-        surroundings = s.surroundings > 0 ? positive(s.surroundings) : std::max<std::size_t>(40, 5 * coefficients);
-        surroundings =
-            std::max(surroundings, kSurroundingRounds * (coefficients + 2));  // each round must be able to fit
-    }
-    std::size_t total() const {
-        return levels.size() *
-                   (screening + starts * (population * generations + (dimension > 0 ? 3 : 1) * kRaceSeeds)) +
-               surroundings + (dimension > 0 ? 3 + kSeen : 2) + (folds + places) * (1 + kSeen);
-    }
-};
 
 class Calibration {
 public:
@@ -579,7 +535,7 @@ private:
     const LossFunction& function_;
     CalibrationJournal& journal_;
     const std::function<void(const CalibrationProgress&)>& progress_;
-    Plan plan_;
+    CalibrationPlan plan_;
     CalibrationResult result_;
     std::vector<CalibrationPoint> best_seen_;  ///< by each search
     std::size_t done_ = 0;
@@ -590,35 +546,12 @@ private:
     UnitBox box_;
 };
 
-void check(const CalibrationProblem& problem) {
-    if (problem.records < 2)
-        throw InputError("a calibration needs at least two measured blocks; there are " +
-                         std::to_string(problem.records));
-    if (problem.parameters.empty() && problem.choices.empty())
-        throw InputError("a calibration needs at least one free parameter or choice");
-    for (const CalibrationParameter& p : problem.parameters) {
-        if (!(p.low < p.high))
-            throw InputError("the range of " + p.name + " is empty: its lower end must be below its upper end");
-        if (p.logarithmic && !(p.low > 0.0))
-            throw InputError("the range of " + p.name + " is searched by ratios and must begin above 0");
-        if (std::isfinite(p.start) && (p.start < p.low || p.start > p.high))
-            throw InputError("the value of " + p.name + " lies outside its range: widen the range or change the value");
-    }
-    for (const CalibrationChoice& c : problem.choices)
-        if (c.levels.empty() || c.start >= c.levels.size())
-            throw InputError("the choice " + c.name + " must have levels, and the model's own must be one of them");
-}
-
 }  // namespace
-
-std::size_t planned_evaluations(const CalibrationProblem& problem, const CalibrationSettings& settings) {
-    return Plan(problem, settings).total();
-}
 
 CalibrationResult calibrate(const CalibrationProblem& problem, const CalibrationSettings& settings,
                             const LossFunction& function, CalibrationJournal& journal,
                             const std::function<void(const CalibrationProgress&)>& progress) {
-    check(problem);
+    check_problem(problem);
     return Calibration(problem, settings, function, journal, progress).run();
 }
 

@@ -31,7 +31,9 @@ public:
         posix_spawn_file_actions_t actions;
         ::posix_spawn_file_actions_init(&actions);
         ::posix_spawn_file_actions_adddup2(&actions, ends[1], STDERR_FILENO);
-        ::posix_spawn(&id_, SCREE_PROGRAM, &actions, nullptr, argv.data(), environ);
+        const int failed = ::posix_spawn(&id_, SCREE_PROGRAM, &actions, nullptr, argv.data(), environ);
+        if (failed) id_ = -1;
+        EXPECT_EQ(failed, 0) << "cannot start " << SCREE_PROGRAM;
         ::posix_spawn_file_actions_destroy(&actions);
         ::close(ends[1]);
         err_ = ::fdopen(ends[0], "r");
@@ -51,9 +53,12 @@ public:
         std::array<char, 4096> buffer{};
         return err_ && std::fgets(buffer.data(), buffer.size(), err_) ? std::string(buffer.data()) : std::string();
     }
-    void interrupt() const { ::kill(id_, SIGINT); }
+    void interrupt() const {
+        if (id_ > 0) ::kill(id_, SIGINT);  // -1 would be everybody
+    }
     /// The exit code, or -signal.
     int wait() {
+        if (id_ <= 0) return -1;
         int status = 0;
         ::waitpid(id_, &status, 0);
         ended_ = true;
