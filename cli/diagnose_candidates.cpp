@@ -149,7 +149,8 @@ public:
         for (const char* line :
              {"net, berm: where they stand is known; draw them into the site and compare",
               "scar_drag: as ground_drag, which is searched; its depth needs impacts that were measured",
-              "air_drag: a per cent of the weight at most"})
+              "air_drag: a per cent of the weight at most",
+              "spin at the release: a number of the site that a calibration can free, release.spin"})
             result_.left_out.emplace_back(line);
         result_.put_on = puts_on();
         return std::move(result_);

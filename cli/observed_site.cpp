@@ -251,7 +251,8 @@ private:
             find(Severity::Error, "ids_incomplete",
                  "some stops have a block_id and some have none: complete them, or leave the column out");
         check_screens_complete();
-        if (!s_.matched) return;
+        const auto incomplete = [](const Finding& f) { return f.check == "ids_incomplete"; };
+        if (!s_.matched || std::any_of(result_.findings.begin(), result_.findings.end(), incomplete)) return;
         const auto nameless = [](const auto& record) { return record.block < 0; };
         if (std::any_of(o.stops.begin(), o.stops.end(), nameless) ||
             std::any_of(o.crossings.begin(), o.crossings.end(), nameless)) {

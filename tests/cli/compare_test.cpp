@@ -323,6 +323,20 @@ TEST(Compare, IdsInOneTableOnlyMakeAPool) {
     EXPECT_TRUE(speed.at("pooled").at("gap").is_number()) << "the crossings are not lost";
 }
 
+TEST(Compare, RefusesATableThatKnowsSomeOfItsBlocks) {
+    const TempDir folder;
+    const fs::path riddle = quarry_a().parent_path() / "quarry_riddle", tables = folder / "observed";
+    fs::create_directories(tables);
+    fs::copy_file(riddle / "observed" / "stopping_points.csv", tables / "stopping_points.csv");
+    const std::string crossings = text_of(riddle / "observed" / "screen_crossings.csv");
+    put(tables / "screen_crossings.csv", std::regex_replace(crossings, std::regex("A01,"), ","));
+    const Outcome run = scree_program({"compare", (riddle / "site.toml").string(), "--observed", tables.string(),
+                                       "--output", (folder / "out").string()});
+    EXPECT_EQ(run.code, 3);
+    EXPECT_THAT(run.err, HasSubstr("some crossings of ES1-A"));
+    EXPECT_THAT(run.err, Not(HasSubstr("some measurements have a block_id"))) << "said once";
+}
+
 // Of blocks that passed no screen a table of crossings says nothing: that all of those in it have passed one is no finding.
 TEST(Compare, OfCrossingsAloneNobodyKnowsWhoDidNotPass) {
     const TempDir folder;

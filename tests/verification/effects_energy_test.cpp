@@ -241,6 +241,19 @@ TEST(AllEffects, OnRandomProfiles) {
     EXPECT_GT(breaks, 0);
 }
 
+TEST_P(EveryEffect, CreatesNoEnergyInThePlaneAndChangesTheMotion) {
+    const std::vector<Effect> effects = in_plane({strong(GetParam())});
+    int changed = 0;
+    for (std::uint64_t number = 0; number < 60; ++number) {
+        const PlaneFuzzScene scene = plane_fuzz_scene(number);
+        const FuzzOutcome<2> with = plane_fuzz_block(scene, fuzz_settings(), effects),
+                             without = plane_fuzz_block(scene, fuzz_settings(), {});
+        EXPECT_EQ(with.fault, "") << scene.what;
+        changed += with.end.state.position != without.end.state.position;
+    }
+    EXPECT_GT(changed, 0);
+}
+
 TEST(AllEffects, FlightsWithDragDoNotTunnelInThePlane) {
     Effect forest = make_effect(EffectKind::ForestDrag), air = make_effect(EffectKind::AirDrag);
     forest.set("height", 100.0);
