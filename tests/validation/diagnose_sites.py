@@ -6,7 +6,7 @@ Usage: diagnose_sites.py SCREE [--output DIR] [--only NAME ...] [--threads N] [-
 
 Names: authume_2d, authume_3d, tschamut. A diagnosis takes from ten minutes to a few hours of one core; one that is in DIR is not done again, one that
 was stopped goes on. Writes DIR/NAME/ (report.html, diagnosis.json) and prints the verdicts. The extended sites of Authume are frozen beside
-authume/programme.py. The five runs of Chant Sura are too few for a diagnosis. The data are found by SCREE_SHARED_DATA; without them: exit code 77.
+authume/programme.py. The five runs of Chant Sura are too few for a diagnosis: chant_sura/contacts.py. The data are found by SCREE_SHARED_DATA; without them: exit code 77.
 """
 import argparse
 import json
