@@ -81,7 +81,9 @@ struct Diagnoser::WideSearch {
     Hypothesis h;
     Eigen::VectorXd low, high;  ///< of the parameters, the logarithm of the strength, and the place
     CmaEs search;
-    double left = kInfinity;  ///< by the middle one of the last generation [-]
+    Eigen::VectorXd best = Eigen::VectorXd::Constant(
+        low.size(), 0.5);     ///< seen so far: after so few generations the mean lies between valleys
+    double left = kInfinity;  ///< there [-]
 };
 
 Diagnoser::WideSearch Diagnoser::search_for(Hypothesis h) {
@@ -123,16 +125,17 @@ bool Diagnoser::search(WideSearch& w, int generations) {
             const ResidualMean mean = mean_residual(base_.space->of(*table));
             const Eigen::VectorXd left = base_.observed.mean - mean.mean;
             losses.push_back(comparable(mean, table->rows()) ? left.dot(factor.solve(left)) : kInfinity);
+            if (!(losses.back() < w.left)) continue;
+            w.left = losses.back();
+            w.best = u;
         }
         w.search.tell(losses);
-        std::nth_element(losses.begin(), losses.begin() + std::ssize(losses) / 2, losses.end());
-        w.left = losses[losses.size() / 2];
     }
     return true;
 }
 
 Hypothesis Diagnoser::found_by(const WideSearch& w) const {
-    const Eigen::VectorXd at = unknowns_at(w, w.search.mean());
+    const Eigen::VectorXd at = unknowns_at(w, w.best);
     const Eigen::Index count = base_.parameters.size();
     Hypothesis h = w.h;
     h.parameters = at.head(count);

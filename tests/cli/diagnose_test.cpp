@@ -218,8 +218,9 @@ TEST(Diagnose, WhatActsInAPlaceIsALayerOfItsOwn) {
     EXPECT_THAT(run.out, HasSubstr("=> NAMED: soil_patch, that holds blocks back"));
     EXPECT_THAT(run.out, HasSubstr("soil_patch belongs to that place"));
     const json answer = json::parse(text_of(out / "diagnosis.json")).at("answer").at(0);
-    EXPECT_NEAR(answer.at("between_m").at(0).get<double>(), 20.0, 6.0);
-    EXPECT_NEAR(answer.at("between_m").at(1).get<double>(), 32.0, 6.0);
+    const double from = answer.at("between_m").at(0), to = answer.at("between_m").at(1);
+    EXPECT_NEAR(0.5 * (from + to), 26.0, 6.0) << "few blocks touch the ground where it begins";
+    EXPECT_NEAR(to, 32.0, 3.0);
 
     // the layer and the site that reads it, moved to wherever they are needed
     const fs::path extended = out / "site_extended.toml";
