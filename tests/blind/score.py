@@ -126,7 +126,7 @@ def picture(cases, file):
         points = [(statistics.fmean(c["delta"] for c in chosen), sum(map(hit, chosen)), len(chosen)) for chosen in ([c for c in b if of(c)] for b in inside) if chosen]
         shares = [hits / n for _, hits, n in points]
         ends = [wilson(hits, n) for _, hits, n in points]
-        axes.errorbar([x for x, _, _ in points], shares, [[y - e[0] for y, e in zip(shares, ends)], [e[1] - y for y, e in zip(shares, ends)]],
+        axes.errorbar([x for x, _, _ in points], shares, [[max(y - e[0], 0.0) for y, e in zip(shares, ends)], [max(e[1] - y, 0.0) for y, e in zip(shares, ends)]],
                       color=color, marker="o", ms=4, lw=1.5, capsize=2, label=label)
     null = [c for c in cases if c["tier"] == 5]
     if null:
