@@ -337,6 +337,16 @@ TEST(Compare, RefusesATableThatKnowsSomeOfItsBlocks) {
     EXPECT_THAT(run.err, Not(HasSubstr("some measurements have a block_id"))) << "said once";
 }
 
+TEST(Compare, AScreenThatIsSaidToBeMisplacedMustBeThere) {
+    const TempDir folder;
+    put(folder / "site.toml",
+        text_of(quarry_a() / "site.toml") + "\n[[effect]]\nkind = \"screen_shift\"\nscreen = \"ES9\"\n");
+    fs::copy(quarry_a() / "data", folder / "data");
+    const Outcome run = scree_program({"check", (folder / "site.toml").string()});
+    EXPECT_EQ(run.code, 3);
+    EXPECT_THAT(run.err, HasSubstr("effect screen_shift: there is no screen \"ES9\"; there are ES1-A, ES2-A"));
+}
+
 // Of blocks that passed no screen a table of crossings says nothing: that all of those in it have passed one is no finding.
 TEST(Compare, OfCrossingsAloneNobodyKnowsWhoDidNotPass) {
     const TempDir folder;

@@ -210,8 +210,8 @@ constexpr EffectInfo kCatalogue[] = {
      "an impact with v_n >= speed leaves a block of the same form with `share` of volume and mass, with its centre of "
      "mass and velocities",
      "threshold on the normal speed; compare RockGIS (Matas et al. 2017)",
-     "two groups of stops, speeds and energies behind hard impacts", "The largest piece is followed, the others are not.",
-     kFragmentation},
+     "two groups of stops, speeds and energies behind hard impacts",
+     "The largest piece is followed, the others are not.", kFragmentation},
     {K::OwnLaw, "own_law", "a law of your own", H::ContactLaw, kOnGround,
      "what the library says: e, mu, mu_r of a contact and a drag while in contact, as functions of the state",
      "include/scree/own_law.h", "what it changes",
