@@ -6,6 +6,7 @@
 #include "scree/inference/distance.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numeric>
 #include <sstream>
@@ -21,6 +22,8 @@ constexpr double kPassedScale = 0.5, kWindowScale = 0.3;
 constexpr std::size_t kMostColumns = 128;
 /// Neighbours are the nearest of so many times as many in speed [-].
 constexpr std::size_t kPoolShare = 4;
+/// Standardised logarithms of masses and heights [m] that make two states as unlike as the speeds of such a pool do.
+constexpr double kMassUnit = 2.0, kHeightUnit = 1.0;
 
 /// What a block does along the whole of its path.
 bool is_course(Quantity q) {
@@ -46,6 +49,25 @@ std::vector<double> standardised(std::vector<double> values) {
     if (!(variance > 1e-12 * (1.0 + mean * mean))) return {};
     for (double& v : values) v = (v - mean) / std::sqrt(variance);
     return values;
+}
+
+/// The k-th of non-negative values in ascending order, k from 1: by counting, as sorting so few of them costs what mispredicted branches do.
+double kth_smallest(const std::vector<double>& values, std::size_t k) {
+    constexpr std::size_t kLast = 127;
+    constexpr double kClasses = 64.0;  // to a unit; the last one is open
+    const auto class_of = [](double v) {
+        return static_cast<std::int32_t>(std::min(v * kClasses, static_cast<double>(kLast)));
+    };
+    std::array<std::uint32_t, kLast + 1> count{};
+    for (const double v : values) ++count[static_cast<std::size_t>(class_of(v))];
+    std::int32_t c = 0;
+    for (; k > count[static_cast<std::size_t>(c)]; ++c) k -= count[static_cast<std::size_t>(c)];
+    std::vector<double> members;
+    for (const double v : values)
+        if (class_of(v) == c) members.push_back(v);
+    const auto kth = members.begin() + static_cast<std::ptrdiff_t>(k) - 1;
+    std::nth_element(members.begin(), kth, members.end());
+    return *kth;
 }
 
 /// A tie is broken by a number that depends on the value's place only.
@@ -175,20 +197,8 @@ void ResidualSpace::choose(const ObservationTable& measured, const ResidualSetti
             wanted.pop_back();  // the shares of all windows sum to one
     }
     if (!residuals.empty()) wanted.assign(residuals.begin(), residuals.end());
-    for (const Residual& r : wanted) {
-        if (r.kind != ResidualKind::Innovation) continue;
-        ByState state{r.other, r.column, {}, {}};
-        const std::size_t speed = reference_.find(r.other), target = reference_.find(r.column);
-        if (speed == reference_.columns.size() || target == reference_.columns.size()) continue;
-        for (std::size_t row = 0; row < reference_.rows(); ++row)
-            if (std::isfinite(reference_.values[speed][row]) && std::isfinite(reference_.values[target][row]))
-                state.rows.push_back(static_cast<std::uint32_t>(row));
-        std::sort(state.rows.begin(), state.rows.end(), [&](std::uint32_t a, std::uint32_t b) {
-            return reference_.values[speed][a] < reference_.values[speed][b];
-        });
-        for (const std::uint32_t row : state.rows) state.speed.push_back(reference_.values[speed][row]);
-        states_.push_back(std::move(state));
-    }
+    for (const Residual& r : wanted)
+        if (r.kind == ResidualKind::Innovation) add_state(r.other, r.column);
     residuals_ = wanted;
     if (!residuals.empty()) return;
     const ResidualRows rows = raw(measured, false);
@@ -197,6 +207,30 @@ void ResidualSpace::choose(const ObservationTable& measured, const ResidualSetti
         const auto count = rows.col(static_cast<Eigen::Index>(k)).array().isFinite().count();
         if (count >= static_cast<Eigen::Index>(kLeastRows)) residuals_.push_back(wanted[k]);
     }
+}
+
+void ResidualSpace::add_state(const Column& screen, const Column& target) {
+    const std::size_t speed = reference_.find(screen), value = reference_.find(target);
+    if (speed == reference_.columns.size() || value == reference_.columns.size()) return;
+    ByState state{screen, target, {}, {}, {}, {}, {}, {}};
+    const std::vector<double>& speeds = reference_.values[speed];
+    for (std::size_t row = 0; row < reference_.rows(); ++row)
+        if (std::isfinite(speeds[row]) && std::isfinite(reference_.values[value][row]))
+            state.rows.push_back(static_cast<std::uint32_t>(row));
+    std::sort(state.rows.begin(), state.rows.end(),
+              [&](std::uint32_t a, std::uint32_t b) { return speeds[a] < speeds[b]; });
+    const auto in_order = [&](std::size_t column) {
+        std::vector<double> values;
+        if (column < reference_.columns.size())
+            for (const std::uint32_t row : state.rows) values.push_back(reference_.values[column][row]);
+        return values;
+    };
+    state.speed = in_order(speed);
+    state.value = in_order(value);
+    state.height = in_order(reference_.find({Quantity::Height, screen.place}));
+    state.rise = in_order(reference_.find({Quantity::Rise, screen.place}));
+    for (const std::uint32_t row : state.rows) state.mass.push_back(mass_of(reference_.block[row]));
+    states_.push_back(std::move(state));
 }
 
 ResidualRows ResidualSpace::of(const ObservationTable& table) const {
@@ -209,6 +243,12 @@ ResidualRows ResidualSpace::of(const ObservationTable& table) const {
 double ResidualSpace::covariate(const std::vector<double>& of_block, std::int32_t block) const {
     return block >= 0 && static_cast<std::size_t>(block) < of_block.size() ? of_block[static_cast<std::size_t>(block)]
                                                                            : kNaN;
+}
+
+/// Standardised logarithm; an unknown one counts as the middle.
+double ResidualSpace::mass_of(std::int32_t block) const {
+    const double m = covariate(log_mass_, block);
+    return std::isfinite(m) ? m : 0.0;
 }
 
 /// sqrt(12) (u - 1/2); a row of the reference counts among the others of its block only.
@@ -241,44 +281,41 @@ double ResidualSpace::innovation(const ObservationTable& table, std::size_t row,
         return s.screen == residual.other && s.target == residual.column;
     });
     if (state == states_.end() || state->rows.size() < settings_.neighbours + 1) return kNaN;
-    const std::size_t speed = reference_.find(residual.other), target = reference_.find(residual.column);
-    const std::size_t height = reference_.find({Quantity::Height, residual.other.place});
-    const double v = table.values[speed][row], value = table.values[target][row];
+    const auto own_value = [&](const Column& c) {
+        const std::size_t k = table.find(c);
+        return k < table.columns.size() ? table.values[k][row] : kNaN;
+    };
+    const double v = own_value(residual.other), value = own_value(residual.column);
     if (!std::isfinite(v) || !std::isfinite(value)) return kNaN;
     if (v < state->speed.front() || v > state->speed.back()) return kNaN;  // nothing like it was simulated
     const std::size_t pool = std::min(kPoolShare * settings_.neighbours, state->rows.size());
     const auto at =
         static_cast<std::size_t>(std::lower_bound(state->speed.begin(), state->speed.end(), v) - state->speed.begin());
     const std::size_t begin = std::min(at > pool / 2 ? at - pool / 2 : 0, state->rows.size() - pool);
-    auto mass_of = [&](std::int32_t block) {
-        const double m = covariate(log_mass_, block);
-        return std::isfinite(m) ? m : 0.0;
-    };
     const double spread = std::max(state->speed[begin + pool - 1] - state->speed[begin], 1e-9);
-    const double own_height = height < table.columns.size() ? table.values[height][row] : kNaN;
-    const std::size_t rise = reference_.find({Quantity::Rise, residual.other.place});
-    const double own_rise = rise < table.columns.size() ? table.values[rise][row] : kNaN;
-    std::vector<std::pair<double, std::uint32_t>> nearest;
-    nearest.reserve(pool);
-    for (std::size_t k = begin; k < begin + pool; ++k) {
-        const std::uint32_t other = state->rows[k];
-        if (own && other == row) continue;
-        double distance = std::abs(state->speed[k] - v) / spread;
-        distance += 0.5 * std::abs(mass_of(reference_.block[other]) - mass_of(table.block[row]));
-        if (std::isfinite(own_height)) distance += std::abs(reference_.values[height][other] - own_height);
-        if (std::isfinite(own_rise)) distance += std::abs(reference_.values[rise][other] - own_rise) / spread;
-        nearest.push_back({distance, other});
+    std::vector<double> distance(pool, 0.0);
+    const auto add = [&](const std::vector<double>& of_rows, double own_one, double unit) {
+        if (!std::isfinite(own_one)) return;
+        for (std::size_t k = 0; k < pool; ++k) distance[k] += std::abs(of_rows[begin + k] - own_one) / unit;
+    };
+    add(state->speed, v, spread);
+    add(state->mass, mass_of(table.block[row]), kMassUnit);
+    add(state->height, own_value({Quantity::Height, residual.other.place}), kHeightUnit);
+    add(state->rise, own_value({Quantity::Rise, residual.other.place}), spread);
+    if (own)
+        for (std::size_t k = 0; k < pool; ++k)
+            if (state->rows[begin + k] == row) distance[k] = kInfinity;
+    const double farthest = kth_smallest(distance, settings_.neighbours);
+    int below = 0, equal = 0, count = 0;
+    for (std::size_t k = 0; k < pool; ++k) {
+        const int near = distance[k] <= farthest;
+        const double other = state->value[begin + k];
+        count += near;
+        below += near & static_cast<int>(other < value);
+        equal += near & static_cast<int>(other == value);
     }
-    const std::size_t count = std::min(settings_.neighbours, nearest.size());
-    std::nth_element(nearest.begin(), nearest.begin() + static_cast<std::ptrdiff_t>(count) - 1, nearest.end());
-    double below = 0.0, equal = 0.0;
-    for (std::size_t k = 0; k < count; ++k) {
-        const double w = reference_.values[target][nearest[k].second];
-        below += w < value ? 1.0 : 0.0;
-        equal += w == value ? 1.0 : 0.0;
-    }
-    const double u = (below + tie_breaker(settings_.seed, row, kMostColumns + target) * (1.0 + equal)) /
-                     (static_cast<double>(count) + 1.0);
+    const double tie = tie_breaker(settings_.seed, row, kMostColumns + reference_.find(residual.column));
+    const double u = (below + tie * (1 + equal)) / (count + 1);
     return kLevel * (u - 0.5);
 }
 

@@ -76,10 +76,12 @@ public:
 private:
     void choose(const ObservationTable& measured, const ResidualSettings& settings,
                 std::span<const Residual> residuals);
+    void add_state(const Column& screen, const Column& target);
     ResidualRows raw(const ObservationTable& table, bool own) const;
     double level(const ObservationTable& table, std::size_t row, std::size_t column, bool own) const;
     double share(std::size_t row_block, std::size_t column) const;
     double covariate(const std::vector<double>& of_block, std::int32_t block) const;
+    double mass_of(std::int32_t block) const;
     double innovation(const ObservationTable& table, std::size_t row, const Residual& residual, bool own) const;
     double window(const ObservationTable& table, std::size_t row, const Residual& residual, bool own) const;
     std::size_t stratum(std::int32_t block) const;
@@ -89,6 +91,8 @@ private:
         Column screen, target;
         std::vector<std::uint32_t> rows;
         std::vector<double> speed;  ///< ascending [m/s]
+        std::vector<double> value, mass, height,
+            rise;  ///< in the same order; heights and rises where they are measured
     };
 
     ObservationTable reference_;
