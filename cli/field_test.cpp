@@ -18,16 +18,29 @@ FieldTest::FieldTest(const SiteFile& site, const SiteModel& model, const Observe
     }
 }
 
-CampaignResult FieldTest::run(const SiteFile& candidate, std::uint64_t seed, std::int64_t repeats,
-                              std::span<const Effect> more, bool passages, double in_space) const {
-    if (in_space >= 1.0) return run_input(space_.campaign, candidate, seed, repeats, more, passages);
-    CampaignResult plane = run_input(input_, candidate, seed, repeats, more, passages);
-    if (in_space <= 0.0 || plane.interrupted) return plane;
-    return mixed(plane, run_input(space_.campaign, candidate, seed, repeats, more, false), in_space, seed);
+namespace {
+
+CampaignResult thrown(const CampaignInput& input) {
+    return run_campaign(
+        input, [](std::int64_t) {}, InterruptScope::flag());
 }
 
-CampaignResult FieldTest::run_input(CampaignInput input, const SiteFile& candidate, std::uint64_t seed,
-                                    std::int64_t repeats, std::span<const Effect> more, bool passages) const {
+}  // namespace
+
+CampaignResult FieldTest::run(const SiteFile& candidate, std::uint64_t seed, std::int64_t repeats,
+                              std::span<const Effect> more, bool passages, double in_space) const {
+    CampaignInput plane = input_for(input_, candidate, seed, repeats, more, passages);
+    if (in_space <= 0.0) return thrown(plane);
+    CampaignInput space = input_for(space_.campaign, candidate, seed, repeats, more, passages);
+    if (in_space >= 1.0) return thrown(space);
+    space.thrown = chosen_share(space.release.count, in_space, seed);
+    plane.thrown = space.thrown;
+    plane.thrown.flip();
+    return merged(thrown(plane), thrown(space));
+}
+
+CampaignInput FieldTest::input_for(CampaignInput input, const SiteFile& candidate, std::uint64_t seed,
+                                   std::int64_t repeats, std::span<const Effect> more, bool passages) const {
     input.passages = passages;
     SiteFile site = candidate;
     site.settings.observed.repeats = repeats;
@@ -39,8 +52,7 @@ CampaignResult FieldTest::run_input(CampaignInput input, const SiteFile& candida
     match_campaign(site, observed_, input);
     shift_screens(more, observed_.op.axis, input);
     input.effects.insert(input.effects.end(), more.begin(), more.end());
-    return run_campaign(
-        input, [](std::int64_t) {}, InterruptScope::flag());
+    return input;
 }
 
 ObservedSite with_faults(const ObservedSite& observed, std::span<const Effect> effects) {

@@ -24,8 +24,8 @@ public:
     const std::string& no_space() const { return space_.none; }
 
 private:
-    CampaignResult run_input(CampaignInput input, const SiteFile& candidate, std::uint64_t seed, std::int64_t repeats,
-                             std::span<const Effect> more, bool passages) const;
+    CampaignInput input_for(CampaignInput input, const SiteFile& candidate, std::uint64_t seed, std::int64_t repeats,
+                            std::span<const Effect> more, bool passages) const;
 
     const SiteFile& site_;
     const ObservedSite& observed_;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "cli/space_model.hpp"
 
+#include "scree/base/assert.hpp"
 #include "scree/base/error.hpp"
 #include "scree/base/random.hpp"
 
@@ -64,29 +65,28 @@ SpaceModel make_space_model(const SiteFile& site, const SiteModel& plane) {
     return model;
 }
 
-CampaignResult mixed(const CampaignResult& plane, const CampaignResult& space, double share, std::uint64_t seed) {
-    CampaignResult result;
-    result.block_ids = plane.block_ids;
-    result.interrupted = plane.interrupted || space.interrupted;
-    std::vector<bool> in_space(plane.blocks.size());
+std::vector<bool> chosen_share(std::int64_t blocks, double share, std::uint64_t seed) {
+    std::vector<bool> chosen(static_cast<std::size_t>(blocks));
     RandomStream random(seed, kOfDimension, RandomPurpose::Observation);
-    for (std::size_t k = 0; k < in_space.size(); ++k) {
-        in_space[k] = random.uniform() < share;
-        result.blocks.push_back((in_space[k] ? space : plane).blocks[k]);
-        if (!result.blocks.back().done) continue;
-        ++result.reasons[static_cast<std::size_t>(result.blocks.back().reason)];
-        ++result.released;
-    }
+    for (std::size_t k = 0; k < chosen.size(); ++k) chosen[k] = random.uniform() < share;
+    return chosen;
+}
+
+CampaignResult merged(CampaignResult plane, const CampaignResult& space) {
+    SCREE_ASSERT(plane.blocks.size() == space.blocks.size());
+    for (std::size_t k = 0; k < plane.blocks.size(); ++k)
+        if (space.blocks[k].done) plane.blocks[k] = space.blocks[k];
+    plane.released += space.released;
+    for (std::size_t k = 0; k < plane.reasons.size(); ++k) plane.reasons[k] += space.reasons[k];
+    plane.interrupted |= space.interrupted;
     const auto merge = [&](auto member) {
-        auto& to = result.*member;
-        for (const CampaignResult* from : {&plane, &space})
-            for (const auto& row : from->*member)
-                if (in_space[static_cast<std::size_t>(row.block)] == (from == &space)) to.push_back(row);
+        auto& to = plane.*member;
+        to.insert(to.end(), (space.*member).begin(), (space.*member).end());
         std::stable_sort(to.begin(), to.end(), [](const auto& a, const auto& b) { return a.block < b.block; });
     };
     merge(&CampaignResult::crossings);
     merge(&CampaignResult::impacts);
-    return result;
+    return plane;
 }
 
 }  // namespace scree::cli

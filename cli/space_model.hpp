@@ -22,7 +22,10 @@ struct SpaceModel {
 /// Keeps references to `plane`.
 SpaceModel make_space_model(const SiteFile& site, const SiteModel& plane);
 
-/// Each block by the 3D campaign with the probability `share`, else by the 2D one. What is counted where blocks pass and come to rest is left out.
-CampaignResult mixed(const CampaignResult& plane, const CampaignResult& space, double share, std::uint64_t seed);
+/// Which of so many blocks move in 3D: each with the probability `share`.
+std::vector<bool> chosen_share(std::int64_t blocks, double share, std::uint64_t seed);
+
+/// Stops, crossings and impacts of two campaigns that have thrown different ones of the same blocks; all else is that of `plane`.
+CampaignResult merged(CampaignResult plane, const CampaignResult& space);
 
 }  // namespace scree::cli

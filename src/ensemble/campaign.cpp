@@ -133,6 +133,14 @@ void run_block_on_profile(const CampaignInput& input, const Prepared& prepared, 
            std::optional(std::min(cell, cells_along(track.profile, input.cell_along) - 1)), result, partial);
 }
 
+bool is_thrown(const CampaignInput& input, std::int64_t number) {
+    return input.thrown.empty() || input.thrown[static_cast<std::size_t>(number)];
+}
+
+std::int64_t number_thrown(const CampaignInput& input) {
+    return input.thrown.empty() ? input.release.count : std::count(input.thrown.begin(), input.thrown.end(), true);
+}
+
 void collect(const CampaignInput& input, tbb::enumerable_thread_specific<Partial>& partials, CampaignResult& result) {
     for (const DepositZone& zone : input.deposit_zones) result.deposits.push_back({zone.name, 0});
     result.cells_along.resize(input.tracks.size());
@@ -169,6 +177,7 @@ CampaignResult run_campaign(const CampaignInput& input, const CampaignProgress& 
                             const std::atomic<bool>& stop) {
     const bool in_plane = !input.tracks.empty();
     SCREE_ASSERT(in_plane ? input.profile_release != nullptr : input.surface && input.area);
+    SCREE_ASSERT(input.thrown.empty() || std::ssize(input.thrown) == input.release.count);
     const Prepared prepared(input);
     CampaignResult result;
     result.blocks.resize(static_cast<std::size_t>(input.release.count));
@@ -184,6 +193,7 @@ CampaignResult run_campaign(const CampaignInput& input, const CampaignProgress& 
                           Partial& partial = partials.local();
                           for (std::int64_t i = range.begin(); i < range.end(); ++i) {
                               if (stop.load(std::memory_order_relaxed)) return;
+                              if (!is_thrown(input, i)) continue;
                               BlockResult& block = result.blocks[static_cast<std::size_t>(i)];
                               if (in_plane)
                                   run_block_on_profile(input, prepared, i, block, partial);
@@ -197,7 +207,7 @@ CampaignResult run_campaign(const CampaignInput& input, const CampaignProgress& 
                           }
                       });
     collect(input, partials, result);
-    result.interrupted = result.released < input.release.count;
+    result.interrupted = result.released < number_thrown(input);
     return result;
 }
 

@@ -220,6 +220,23 @@ TEST_F(ProfileCampaign, DoesNotDependOnThreadsOrCount) {
     }
 }
 
+// Of blocks that are left out nothing is known; the others move as they do in company.
+TEST_F(ProfileCampaign, ThrowsTheOnesThatAreAskedFor) {
+    const CampaignResult all = run();
+    for (int k = 0; k < 200; ++k) input_.thrown.push_back(k % 3 == 0);
+    const CampaignResult third = run();
+    input_.thrown.flip();
+    const CampaignResult rest = run();
+    EXPECT_EQ(third.released, 67);
+    EXPECT_EQ(rest.released, 133);
+    EXPECT_FALSE(third.interrupted);
+    EXPECT_EQ(third.crossings.size() + rest.crossings.size(), all.crossings.size());
+    for (std::size_t k = 0; k < all.blocks.size(); ++k) {
+        EXPECT_NE(third.blocks[k].done, rest.blocks[k].done);
+        EXPECT_EQ((k % 3 == 0 ? third : rest).blocks[k].stop, all.blocks[k].stop);
+    }
+}
+
 // A block thrown level from 5 m over the slope flies over it: heights and speeds of every cell are those of the parabola.
 TEST_F(ProfileCampaign, CellsHoldTheTrueLargestValues) {
     input_.release = {};

@@ -126,6 +126,7 @@ struct CampaignInput {
     DynamicsSettings dynamics;
     BlockPopulation population;
     ReleaseSettings release;
+    std::vector<bool> thrown;           ///< which of the release.count blocks are; empty: all
     const ReleaseArea* area = nullptr;  ///< 3D
     std::uint64_t seed = 1;
     GridShape result_cells;                           ///< 3D: where passages are counted
