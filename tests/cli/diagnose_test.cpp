@@ -41,9 +41,9 @@ std::vector<std::string> diagnosis(const fs::path& output, const std::vector<std
     std::vector<std::string> args{"diagnose", (quarry_a() / "site.toml").string(),      "--output", output.string(),
                                   "--free",   "soil.compact waste.rolling=0.01:0.3:log"};
     for (const char* set :
-         {"model.dimension=2", "calibration.starts=1", "calibration.screening=8", "calibration.generations=2",
-          "calibration.search_repeats=4", "calibration.surroundings=10", "calibration.repeats=4",
-          "calibration.final_repeats=8", "calibration.folds=2", "calibration.draws=200", "observed.draws=200",
+         {"model.dimension=2", "calibration.starts=1", "calibration.screening=5", "calibration.generations=1",
+          "calibration.search_repeats=3", "calibration.surroundings=8", "calibration.repeats=3",
+          "calibration.final_repeats=5", "calibration.folds=2", "calibration.draws=200", "observed.draws=200",
           "diagnosis.reference_repeats=24", "diagnosis.repeats=8", "diagnosis.draws=199", "diagnosis.finalists=2",
           "diagnosis.rounds=1"}) {
         args.push_back("--set");
@@ -78,8 +78,8 @@ fs::path with_speeds(const fs::path& results, const fs::path& folder, double fac
 TEST(Diagnose, NamesAFaultOfTheMeasurementAndWritesAllOfIt) {
     const TempDir folder;
     const fs::path observed = with_speeds(field_test(folder / "field", 24), folder / "obs", 1.35), out = folder / "out";
-    const Outcome run = diagnose(out, {"--observed", observed.string(), "--set", "diagnosis.reference_repeats=60",
-                                       "--set", "diagnosis.repeats=25", "--set", "diagnosis.rounds=6", "--set",
+    const Outcome run = diagnose(out, {"--observed", observed.string(), "--set", "diagnosis.reference_repeats=40",
+                                       "--set", "diagnosis.repeats=16", "--set", "diagnosis.rounds=3", "--set",
                                        without(R"(, "rolling_speed", "ids_shuffled")")});
     ASSERT_EQ(run.code, 0) << run.err;
     EXPECT_THAT(run.out, HasSubstr("=> DATA PROBLEM: speed_error"));
