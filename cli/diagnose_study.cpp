@@ -279,6 +279,9 @@ private:
         CalibrationProblem problem = study_.keys.problem;
         for (std::size_t k = 0; k < begin.size(); ++k)
             problem.parameters[k].start = from_unit(problem.parameters[k], begin[k]);
+        std::string stage = effects.empty() ? "calibration" : "refit of";
+        for (const AnsweredEffect& e : effects)
+            stage.append(&e == &effects.front() ? " " : " and ").append(e.candidate->name);
         const double space = in_space(effects) ? 1.0 : 0.0;
         const std::size_t strengths = strengths_of(effects);
         for (const AnsweredEffect& e : effects) {
@@ -314,7 +317,7 @@ private:
             all,
             [&](const CalibrationProgress& p) {
                 journal.write(all);
-                in_.progress(effects.empty() ? "calibration" : "refit of " + name, p.done, p.planned);
+                in_.progress(stage, p.done, p.planned);
             });
         study_.interrupted = model.result.interrupted;
         if (study_.interrupted) return model;

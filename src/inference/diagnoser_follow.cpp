@@ -17,6 +17,8 @@ constexpr int kWithoutBetter = 2, kWithoutBetterPlace = 3;
 /// On the way there surveys have this share of their simulations [-], and there may be so many of them, so many in a row without a lower misfit.
 constexpr std::int64_t kShareOnTheWay = 6;
 constexpr int kSurveysOnTheWay = 15, kWithoutBetterOnTheWay = 4;
+/// About so many surveys a pursuit takes on the way, and as many at the place [-]: for the time that is left.
+constexpr int kUsualSurveys = 4;
 /// Of what is measured and seen in the residual space of the model, the share that a hypothesis must speak of [-].
 constexpr double kComparable = 0.7;
 /// Steps so many times as long as those that the survey asks for are wide [-].
@@ -396,9 +398,14 @@ bool Diagnoser::hopeless(const Pursuit& p, double least) const {
 bool Diagnoser::pursue(std::vector<Pursuit>& pursuits, double& least) {
     for (;;) {
         Pursuit* next = nullptr;
-        for (Pursuit& p : pursuits)
-            if (!p.settled && !hopeless(p, least) && (!next || p.promised < next->promised)) next = &p;
+        std::size_t surveys = 0;
+        for (Pursuit& p : pursuits) {
+            if (p.settled || hopeless(p, least)) continue;
+            surveys += static_cast<std::size_t>(std::max((p.on_the_way ? 2 : 1) * kUsualSurveys - p.surveys, 1));
+            if (!next || p.promised < next->promised) next = &p;
+        }
         if (!next) return true;
+        planned_ = done_ + surveys * of_survey();
         if (!advance(*next)) return false;
         if (!next->on_the_way) least = std::min(least, next->best.q);
     }

@@ -22,6 +22,10 @@ constexpr std::size_t kScanned = 32, kScannedOfOne = 8, kChosenOfOne = 2;
 constexpr std::array kGenerations{6, 6, 12, 16};
 constexpr double kWidely = 0.3;
 
+std::size_t simulations_in(int generations, Eigen::Index unknowns) {
+    return static_cast<std::size_t>(generations * CmaEs::default_population(static_cast<std::size_t>(unknowns)));
+}
+
 }  // namespace
 
 /// Q at the parameters of the base with an effect, parameters free to absorb; seen in the residual space of that very simulation.
@@ -116,11 +120,11 @@ bool Diagnoser::search(WideSearch& w, int generations) {
     const Eigen::LLT<Eigen::MatrixXd> factor(mean_covariance(row_covariance(*base_.space), base_.observed.together));
     for (int generation = 0; generation < generations; ++generation) {
         const std::vector<Eigen::VectorXd> candidates = w.search.ask();
-        planned_ += candidates.size();
         std::vector<double> losses;
         for (const Eigen::VectorXd& u : candidates) {
             const Eigen::VectorXd at = unknowns_at(w, u);
-            const auto table = simulate("finalists", at.head(base_.parameters.size()), dose_of(w.h.fingerprint, at), 1);
+            const auto table =
+                simulate("wide search", at.head(base_.parameters.size()), dose_of(w.h.fingerprint, at), 1);
             if (!table) return false;
             const ResidualMean mean = mean_residual(base_.space->of(*table));
             const Eigen::VectorXd left = base_.observed.mean - mean.mean;
@@ -147,6 +151,7 @@ Hypothesis Diagnoser::found_by(const WideSearch& w) const {
 
 std::optional<Hypothesis> Diagnoser::search_without() {
     WideSearch w = search_for({});
+    for (const int generations : kGenerations) planned_ += simulations_in(generations, w.low.size());
     if (!search(w, std::reduce(kGenerations.begin(), kGenerations.end()))) return std::nullopt;
     return found_by(w);
 }
@@ -154,6 +159,7 @@ std::optional<Hypothesis> Diagnoser::search_without() {
 /// Every form of the effects that were chosen; after some generations the better half of them goes on, and so to the end. Once each: it depends little on the base.
 bool Diagnoser::search_widely(const std::vector<Hypothesis>& chosen, std::vector<Hypothesis>& found) {
     const ScoreResult score = (*base_.test)(base_.observed);
+    const auto better_half = [&](std::size_t of) { return std::min(std::max((of + 1) / 2, settings_.finalists), of); };
     std::vector<WideSearch> ways;
     for (std::size_t k = 0; k < variants_.size(); ++k) {
         const Hypothesis h = unfollowed(k);
@@ -167,13 +173,17 @@ bool Diagnoser::search_widely(const std::vector<Hypothesis>& chosen, std::vector
         searched_widely_.push_back(h);
         ways.push_back(search_for(h));
     }
+    std::size_t left = ways.size();
+    for (const int generations : kGenerations) {
+        planned_ += ways.empty() ? 0 : left * simulations_in(generations, ways.front().low.size());
+        left = better_half(left);
+    }
     for (const int generations : kGenerations) {
         for (WideSearch& w : ways)
             if (!search(w, generations)) return false;
         std::stable_sort(ways.begin(), ways.end(),
                          [](const WideSearch& a, const WideSearch& b) { return a.left < b.left; });
-        const std::size_t half = std::max((ways.size() + 1) / 2, settings_.finalists);
-        ways.erase(ways.begin() + static_cast<std::ptrdiff_t>(std::min(half, ways.size())), ways.end());
+        ways.erase(ways.begin() + static_cast<std::ptrdiff_t>(better_half(ways.size())), ways.end());
     }
     for (const WideSearch& w : ways) found.push_back(found_by(w));
     return true;
