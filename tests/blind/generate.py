@@ -11,9 +11,10 @@ here) or is done to the measured values here.
 
 Strength: delta, the signal-to-noise ratio that a perfect linear test of this field test would have for the hidden effect after a recalibration of the model:
 sqrt(n d' P d), d the change of the means of what is measured of a block (and of its squares and its products with the logarithm of the mass), P the inverse of their
-covariance with the span of the parameters' derivatives projected out, after a recalibration: the least of the values at the model's parameters and along Gauss-Newton
-steps from there. The strength is solved for the value drawn, 2 to 9, with derivatives at the model's parameters; the value for the record comes from other blocks (--count
-of them) and a recalibration that takes its derivatives anew until it has settled, and where it is far from the value drawn the strength is corrected. Its own scatter is 0.5 to 1.
+covariance with the span of the parameters' derivatives projected out, after a recalibration. The strength is solved for the value drawn, 2 to 9, with the least of the values
+at the model's parameters and along Gauss-Newton steps from there, derivatives and covariance those at the model's parameters. The value for the record comes from other blocks
+(--count of them) and from a recalibration that searches all over the ranges of the parameters, in the covariance of each model that it looks at; where it is far from the value
+drawn the strength is corrected. Its own scatter is 0.5 to 1.
 """
 import argparse
 import csv
@@ -28,6 +29,7 @@ import tempfile
 from pathlib import Path
 
 HERE = Path(__file__).resolve().parent
+COUNT = 1000  # simulated blocks behind a delta
 EPOCH = 1e9  # of all files of a case
 SKIPPED = 77
 try:
@@ -49,7 +51,8 @@ START = {"restitution": 0.1, "friction": 0.6, "rolling": 0.05}  # of the site th
 POSITION_ERROR, SPEED_ERROR, HEIGHT_ERROR, SPIN_ERROR = 0.2, (0.05, 0.2), 0.1, 0.3
 # what a recalibration moves: step of the derivatives (of a logarithm for rolling), least and largest value; how often it is done, and how far
 ABSORBING = {"restitution": (0.05, 0.0, 0.9), "friction": (0.08, 0.1, 1.5), "rolling": (math.log(1.3), 0.001, 0.4)}
-RECALIBRATIONS, SETTLING = 3, 3  # steps with the derivatives at the model's parameters; with derivatives taken anew, at most
+RECALIBRATIONS = 3  # steps with the derivatives at the model's parameters
+SEARCHED, ALONG, GENERATIONS, POPULATION, ELITE = 400, 6, 7, 16, 5  # blocks of a point in the search all over the ranges, points of a line; cross-entropy method
 CORRECTIONS = 2  # of a strength whose settled delta is less than two thirds or more than one and a half times the value drawn
 RANGE = 6.0
 IMPACTS = 3  # first ones of a block that are filmed where they are; before and after each: speed and vertical speed
@@ -315,33 +318,14 @@ class Case:
         remains, by_step, information = projection(np.zeros(len(names)))
         steps_of = np.linalg.solve(information, self.n * by_step.T)
 
-        def settled(hidden, steps):
-            """The least that is left after so many steps when the derivatives are taken anew on the way."""
-            least, model = math.inf, sample(at(steps))
-            for _ in range(SETTLING):
-                remains, J, information = projection(steps)
-                difference = hidden - model
-                left = whiten @ difference.mean(axis=0)
-                least = min(least, unexplained(remains, difference))
-                step = np.linalg.solve(information, self.n * J.T @ left - steps / RANGE ** 2)
-                for part in (1.0, 0.3):
-                    to = steps + np.clip(part * step, -4.0, 4.0)
-                    model = sample(at(to))
-                    if np.linalg.norm(whiten @ (hidden - model).mean(axis=0)) < np.linalg.norm(left):
-                        break
-                else:
-                    break
-                steps = to
-            return least
-
         def unexplained(remains, difference):
             """Squared, per block, less what chance adds."""
             left = remains @ whiten @ difference.mean(axis=0)
             return left @ left - np.trace(remains @ whiten @ np.cov(difference.T) @ whiten.T @ remains.T) / self.args.count
 
-        def delta(effects, fault=None, limited=False, settle=False):
+        def delta(effects, fault=None):
             hidden, steps, least, model = sample(None, effects, fault), np.zeros(len(names)), math.inf, base
-            if limited and np.abs((hidden - base).mean(axis=0)).max() > LARGEST_CHANGE:
+            if effects and np.abs((hidden - base).mean(axis=0)).max() > LARGEST_CHANGE:
                 return math.inf
             for k in range(1 + RECALIBRATIONS):  # Gauss-Newton: what a linear recalibration leaves may be less elsewhere
                 difference = hidden - model
@@ -349,10 +333,62 @@ class Case:
                 steps = steps + np.clip(steps_of @ whiten @ difference.mean(axis=0), -4.0, 4.0)
                 if k < RECALIBRATIONS:
                     model = sample(at(steps))
-            if settle:
-                least = min(least, settled(hidden, steps))
             return math.sqrt(self.n * max(least, 0.0))
         return delta
+
+    def settled(self, work, effects, fault=None):
+        """delta after a recalibration all over the ranges: along lines through the best point so far, then by the cross-entropy method, at last by derivatives."""
+        keys = [(soil, key) for soil in self.soils for key in ABSORBING]
+        low, high = (np.array([math.log(ABSORBING[key][k]) if key == "rolling" else ABSORBING[key][k] for _, key in keys]) for k in (1, 2))
+        width = np.array([ABSORBING[key][0] for _, key in keys]) / (high - low)
+        scale, seeds, chance = [], [int(s) for s in self.random.integers(1, 2 ** 31, 4)], np.random.default_rng(int(self.random.integers(1, 2 ** 31)))
+
+        def soils_at(u):
+            soils = {soil: {} for soil in self.soils}
+            for (soil, key), value in zip(keys, low + np.clip(u, 0.0, 1.0) * (high - low)):
+                soils[soil][key] = float(math.exp(value) if key == "rolling" else value)
+            return soils
+
+        def sample(count, seed, u=None, effects=(), fault=None):
+            thrown = self.throw(work, count, seed, None if u is None else soils_at(u), effects)[0]
+            return self.features(self.measure(thrown, np.random.default_rng(seed + 1), fault), scale)
+
+        def whitening(model):
+            covariance = np.cov(model.T)
+            covariance += np.diag(np.maximum(1e-3, 0.5 - np.diag(covariance)))  # what does not vary here has no certainty for that
+            return np.linalg.inv(np.linalg.cholesky(covariance))
+        sample(self.args.count, seeds[0])  # sets the scale
+        searched = min(SEARCHED, self.args.count)
+        hidden = sample(searched, seeds[1], None, effects, fault)
+
+        def left(u):
+            model = sample(searched, seeds[1], u)
+            return float(np.sum((whitening(model) @ (hidden - model).mean(axis=0)) ** 2))
+        truth = np.array([math.log(self.soils[soil][key]) if key == "rolling" else self.soils[soil][key] for soil, key in keys])
+        best = (truth - low) / (high - low)
+        best = (left(best), best)
+        for axes in [] if self.args.search == "none" else [[k for k, (_, key) in enumerate(keys) if key == one] for one in ABSORBING] + [[k] for k in range(len(keys))]:
+            line = np.tile(best[1], (ALONG, 1))
+            line[:, axes] = np.linspace(0.04, 0.96, ALONG)[:, None]
+            best = min([best] + [(left(u), u) for u in line], key=lambda pair: pair[0])
+        mean, deviation = best[1], np.full(len(keys), 0.06)
+        for _ in range(0 if self.args.search == "none" else GENERATIONS):
+            elite = sorted([(left(u), u) for u in np.clip(mean + deviation * chance.standard_normal((POPULATION, len(keys))), 0.0, 1.0)],
+                           key=lambda pair: pair[0])[:ELITE]
+            best = min(best, elite[0], key=lambda pair: pair[0])
+            chosen = np.array([u for _, u in elite] + [best[1]])
+            mean, deviation = chosen.mean(axis=0), np.maximum(0.6 * chosen.std(axis=0) + 0.35 * deviation, 0.005)
+        whiten = whitening(sample(2 * self.args.count, seeds[2], mean))
+        J = []
+        for k in range(len(keys)):
+            ends = [np.clip(mean + sign * width * (np.arange(len(keys)) == k), 0.0, 1.0) for sign in (-1.0, 1.0)]
+            J.append((sample(self.args.count, seeds[2], ends[1]) - sample(self.args.count, seeds[2], ends[0])).mean(axis=0) * width[k] / (ends[1] - ends[0])[k])
+        J = whiten @ np.array(J).T
+        remains = np.eye(len(J)) - J @ np.linalg.solve(self.n * J.T @ J + np.eye(len(keys)) / RANGE ** 2, self.n * J.T)
+        ends = sample(2 * self.args.count, seeds[2], mean), sample(2 * self.args.count, seeds[3], None, effects, fault)
+        rest = remains @ whiten @ (ends[1].mean(axis=0) - ends[0].mean(axis=0))
+        by_chance = sum(np.trace(remains @ whiten @ np.cov(end.T) @ whiten.T @ remains.T) / len(end) for end in ends)
+        return math.sqrt(self.n * max(float(rest @ rest) - by_chance, 0.0))
 
     def solve(self, strength_to_delta, start, largest):
         """The strength that has the target; the nearest within its range if none has."""
@@ -390,12 +426,11 @@ class Case:
                  "soils": self.soils, "hidden": [], "target": self.target if self.tier not in (4, 5) else None}
         if self.effects or self.fault:
             delta = self.detectability(work)
-            anew = self.detectability(work)  # what is written down comes from other blocks than those that the strength was chosen with
         for effect in self.effects:
             name, (families, start, largest, text), _ = effect
-            effect[2] = self.solve(lambda q: delta([text(q, self.at)], limited=True), start, largest)
-            effect[2] = self.correct(lambda q: delta([text(q, self.at)], settle=True), effect[2], largest)
-            reached = anew([text(effect[2], self.at)], settle=True)
+            effect[2] = self.solve(lambda q: delta([text(q, self.at)]), start, largest)
+            effect[2] = self.correct(lambda q: self.settled(work, [text(q, self.at)]), effect[2], largest)
+            reached = self.settled(work, [text(effect[2], self.at)])  # from other blocks than those that the strength was chosen with
             truth["hidden"].append({"name": name, "families": families, "strength": effect[2], "delta": reached,
                                     "at": self.at if name in LOCAL else None, "entry": text(effect[2], self.at)})
         if self.fault:
@@ -406,8 +441,8 @@ class Case:
                 self.fault[1] = min(options)[1]
             else:
                 self.fault[1] = self.solve(lambda q: delta((), (self.fault[0], q)), start, largest)
-                self.fault[1] = self.correct(lambda q: delta((), (self.fault[0], q), settle=True), self.fault[1], largest)
-            reached = anew((), tuple(self.fault), settle=True)
+                self.fault[1] = self.correct(lambda q: self.settled(work, (), (self.fault[0], q)), self.fault[1], largest)
+            reached = self.settled(work, (), tuple(self.fault))
             truth["hidden"].append({"name": self.fault[0], "families": families, "strength": self.fault[1], "delta": reached, "at": None})
         if self.tier == 4:
             truth["hidden"].append({"name": "three dimensions", "families": ["third_dimension"], "strength": None, "delta": None, "at": None})
@@ -458,6 +493,11 @@ class Case:
                         table.writerow([name, k + 1, *(f"{x:.2f}" for x in pair), f"{error:.2f}", f"{error:.2f}"])
 
 
+def compile_laws(folder):
+    subprocess.run(["c++", "-shared", "-fPIC", "-O2", "-std=c++17", "-I", str(HERE.parents[1] / "include"), "-o", str(folder / "laws.so"),
+                    str(HERE / "laws.cpp")], check=True)
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("scree", help="the program")
@@ -467,7 +507,9 @@ def main():
     parser.add_argument("--cases", type=int, default=1)
     parser.add_argument("--slopes", choices=list(terrains.SETS), default="test")
     parser.add_argument("--tiers", type=lambda text: [int(t) for t in text.split(",")], default=list(TIERS))
-    parser.add_argument("--count", type=int, default=1000, help="simulated blocks behind a delta (default 1000)")
+    parser.add_argument("--count", type=int, default=COUNT, help=f"simulated blocks behind a delta (default {COUNT})")
+    parser.add_argument("--search", choices=["whole", "none"], default="whole",
+                        help="where a delta on record is recalibrated: all over the ranges, or near the truth (to try cases out)")
     parser.add_argument("--blocks", type=int, default=0, help="of every case (default: 30, 50 or 100 are drawn)")
     parser.add_argument("--threads", type=int, default=0)
     args = parser.parse_args()
@@ -477,8 +519,7 @@ def main():
     sealed.mkdir(exist_ok=True)
     with tempfile.TemporaryDirectory() as folder:
         work = Path(folder)
-        subprocess.run(["c++", "-shared", "-fPIC", "-O2", "-std=c++17", "-I", str(HERE.parents[1] / "include"), "-o", str(work / "laws.so"),
-                        str(HERE / "laws.cpp")], check=True)
+        compile_laws(work)
         for number in range(args.first, args.first + args.cases):
             target = sealed / f"{number:04d}.json"
             if target.exists():

@@ -49,6 +49,8 @@ def seals(folder):
 
 def read(folder):
     hashes, cases, missing = seals(folder), [], []
+    again = folder / "settled.csv"  # deltas that were taken again (settle.py)
+    settled = {(int(row["case"]), row["hidden"]): float(row["delta"]) for row in csv.DictReader(again.open())} if again.exists() else {}
     for file in sorted((folder / "sealed").glob("*.json")):
         text = file.read_bytes()
         if hashlib.sha256(text).hexdigest() != hashes[f"sealed/{file.name}"]:
@@ -69,7 +71,7 @@ def read(folder):
         cases.append({
             "case": truth["case"], "tier": truth["tier"], "slope": truth["slope"], "n": truth["n"], "ids": truth["ids"],
             "instruments": "+".join(truth["instruments"]), "hidden": " and ".join(h["name"] for h in truth["hidden"]) or "nothing",
-            "delta": max((h["delta"] for h in truth["hidden"] if h["delta"] is not None), default=None), "verdict": result["verdict"],
+            "delta": max((settled.get((truth["case"], h["name"]), h["delta"]) for h in truth["hidden"] if h["delta"] is not None), default=None), "verdict": result["verdict"],
             "names": (" and " if answer and answer[0]["together"] else " or ").join(names), "taken_back": taken_back,
             "right": any(right), "all_right": bool(right) and all(right),
             "both": len(families) == 2 and len(names) == 2 and all(any(name in f for name in names) for f in families),
