@@ -44,6 +44,26 @@ Outcome compare(const fs::path& observed, const fs::path& output, const std::vec
     return scree_program(args);
 }
 
+const fs::path& riddle() {
+    static const fs::path folder = quarry_a().parent_path() / "quarry_riddle";
+    return folder;
+}
+
+/// A table of the riddle as it was measured.
+std::string riddle_table(const std::string& name) {
+    return text_of(riddle() / "observed" / name);
+}
+
+/// A site of the riddle with tables that may be other ones.
+Outcome compare_riddle(const fs::path& observed, const fs::path& output, const std::vector<std::string>& more = {},
+                       const std::string& site = "site.toml") {
+    std::vector<std::string> args{
+        "compare", (riddle() / site).string(), "--observed", observed.string(),   "--output", output.string(),
+        "--set",   "observed.repeats=5",       "--set",      "observed.draws=100"};
+    args.insert(args.end(), more.begin(), more.end());
+    return scree_program(args);
+}
+
 json report(const fs::path& folder) {
     return json::parse(text_of(folder / "compare.json"));
 }
@@ -276,7 +296,6 @@ TEST(Compare, CountsAlongTheProfileIn2dAndOnDemandIn3d) {
 // not recorded is simulated with the error of any row.
 TEST(Compare, DoesNotCareForTheOrderOfRows) {
     const TempDir folder;
-    const fs::path riddle = quarry_a().parent_path() / "quarry_riddle";
     for (const bool pooled : {false, true}) {
         json reports[2];
         for (const bool turned : {false, true}) {
@@ -284,16 +303,14 @@ TEST(Compare, DoesNotCareForTheOrderOfRows) {
             const fs::path tables = folder / name, out = folder / (name + "_out");
             fs::create_directories(tables);
             for (const char* table : {"stopping_points.csv", "screen_crossings.csv"}) {
-                std::istringstream rows(text_of(riddle / "observed" / table));
+                std::istringstream rows(riddle_table(table));
                 std::string header, row, sorted;
                 std::getline(rows, header);
                 if (pooled) header = std::regex_replace(header, std::regex("block_id"), "nobody");
                 while (std::getline(rows, row)) turned ? sorted.insert(0, row + "\n") : sorted.append(row + "\n");
                 put(tables / table, header + "\n" + sorted);
             }
-            const Outcome run =
-                scree_program({"compare", (riddle / "site.toml").string(), "--observed", tables.string(), "--output",
-                               out.string(), "--set", "observed.repeats=5", "--set", "observed.draws=100"});
+            const Outcome run = compare_riddle(tables, out);
             ASSERT_EQ(run.code, 0) << run.err;
             reports[turned] = report(out);
             reports[turned].erase("inputs");
@@ -305,16 +322,14 @@ TEST(Compare, DoesNotCareForTheOrderOfRows) {
 // Crossings without ids are nobody's: they are neither left out nor taken for those of the blocks that the stops know.
 TEST(Compare, IdsInOneTableOnlyMakeAPool) {
     const TempDir folder;
-    const fs::path riddle = quarry_a().parent_path() / "quarry_riddle", tables = folder / "observed";
+    const fs::path tables = folder / "observed";
     fs::create_directories(tables);
-    fs::copy_file(riddle / "observed" / "stopping_points.csv", tables / "stopping_points.csv");
-    const std::string crossings = text_of(riddle / "observed" / "screen_crossings.csv");
-    const std::string nameless = std::regex_replace(crossings, std::regex("(ES[12]-A),[^,]*,"), "$1,");
+    put(tables / "stopping_points.csv", riddle_table("stopping_points.csv"));
+    const std::string nameless =
+        std::regex_replace(riddle_table("screen_crossings.csv"), std::regex("(ES[12]-A),[^,]*,"), "$1,");
     put(tables / "screen_crossings.csv", std::regex_replace(nameless, std::regex("screen,block_id,"), "screen,"));
     const fs::path out = folder / "out";
-    const Outcome run =
-        scree_program({"compare", (riddle / "site.toml").string(), "--observed", tables.string(), "--output",
-                       out.string(), "--set", "observed.repeats=5", "--set", "observed.draws=100"});
+    const Outcome run = compare_riddle(tables, out);
     ASSERT_EQ(run.code, 0) << run.err;
     EXPECT_THAT(run.out, HasSubstr("50 measured blocks as a pool"));
     EXPECT_THAT(report(out).at("findings").dump(), HasSubstr("ids_in_some_tables"));
@@ -325,13 +340,12 @@ TEST(Compare, IdsInOneTableOnlyMakeAPool) {
 
 TEST(Compare, RefusesATableThatKnowsSomeOfItsBlocks) {
     const TempDir folder;
-    const fs::path riddle = quarry_a().parent_path() / "quarry_riddle", tables = folder / "observed";
+    const fs::path tables = folder / "observed";
     fs::create_directories(tables);
-    fs::copy_file(riddle / "observed" / "stopping_points.csv", tables / "stopping_points.csv");
-    const std::string crossings = text_of(riddle / "observed" / "screen_crossings.csv");
-    put(tables / "screen_crossings.csv", std::regex_replace(crossings, std::regex("A01,"), ","));
-    const Outcome run = scree_program({"compare", (riddle / "site.toml").string(), "--observed", tables.string(),
-                                       "--output", (folder / "out").string()});
+    put(tables / "stopping_points.csv", riddle_table("stopping_points.csv"));
+    put(tables / "screen_crossings.csv",
+        std::regex_replace(riddle_table("screen_crossings.csv"), std::regex("A01,"), ","));
+    const Outcome run = compare_riddle(tables, folder / "out");
     EXPECT_EQ(run.code, 3);
     EXPECT_THAT(run.err, HasSubstr("some crossings of ES1-A"));
     EXPECT_THAT(run.err, Not(HasSubstr("some measurements have a block_id"))) << "said once";
@@ -350,17 +364,11 @@ TEST(Compare, AScreenThatIsSaidToBeMisplacedMustBeThere) {
 // Of blocks that passed no screen a table of crossings says nothing: that all of those in it have passed one is no finding.
 TEST(Compare, OfCrossingsAloneNobodyKnowsWhoDidNotPass) {
     const TempDir folder;
-    const fs::path riddle = quarry_a().parent_path() / "quarry_riddle", tables = folder / "observed";
+    const fs::path tables = folder / "observed";
     fs::create_directories(tables);
-    fs::copy_file(riddle / "observed" / "screen_crossings.csv", tables / "screen_crossings.csv");
+    put(tables / "screen_crossings.csv", riddle_table("screen_crossings.csv"));
     const auto compared = [&](const std::string& name, const std::vector<std::string>& more) {
-        std::vector<std::string> args{"compare",    (riddle / "site.toml").string(),
-                                      "--observed", tables.string(),
-                                      "--output",   (folder / name).string(),
-                                      "--set",      "observed.repeats=5",
-                                      "--set",      "observed.draws=100"};
-        args.insert(args.end(), more.begin(), more.end());
-        const Outcome run = scree_program(args);
+        const Outcome run = compare_riddle(tables, folder / name, more);
         EXPECT_EQ(run.code, 0) << run.err;
         return report(folder / name).dump();
     };
@@ -370,7 +378,7 @@ TEST(Compare, OfCrossingsAloneNobodyKnowsWhoDidNotPass) {
     EXPECT_THAT(alone, Not(HasSubstr("passing ES1-A")));
 
     std::set<std::string> ids;
-    std::istringstream rows(text_of(tables / "screen_crossings.csv"));
+    std::istringstream rows(riddle_table("screen_crossings.csv"));
     std::string row;
     for (std::getline(rows, row); std::getline(rows, row);) {
         const std::size_t from = row.find(',') + 1;
@@ -389,12 +397,11 @@ TEST(Compare, OfCrossingsAloneNobodyKnowsWhoDidNotPass) {
 // The site as it is cannot be what was measured; with the calibrated soils and the drag that scree diagnose named it can.
 TEST(Compare, ToldTheRiddleFromItsSolution) {
     const TempDir folder;
-    const fs::path riddle = quarry_a().parent_path() / "quarry_riddle";
     const auto gap = [&](const std::string& site) {
         const fs::path out = folder / site;
-        const Outcome run = scree_program({"compare", (riddle / (site + ".toml")).string(), "--observed",
-                                           (riddle / "observed").string(), "--output", out.string(), "--set",
-                                           "observed.repeats=10", "--set", "observed.draws=300"});
+        const Outcome run =
+            compare_riddle(riddle() / "observed", out, {"--set", "observed.repeats=10", "--set", "observed.draws=300"},
+                           site + ".toml");
         EXPECT_EQ(run.code, 0) << run.err;
         return report(out).at("overall").at("pooled").at("gap").get<double>();
     };
