@@ -4,7 +4,7 @@
 
 Usage: score.py FOLDER [--table FILE] [--picture FILE]
 
-Prints rates with their 95 % intervals (Wilson), of all cases and of those with 50 blocks, power by delta, of all effects together and of each, and a confusion
+FOLDER/settled.csv, if there is one, has deltas that were taken again (settle.py). Prints rates with their 95 % intervals (Wilson), of all cases and of those with 50 blocks, power by delta, of all effects together and of each, and a confusion
 matrix; --table writes one line per case, --picture draws the power curve (needs python3-matplotlib).
 """
 import argparse
@@ -47,10 +47,15 @@ def seals(folder):
     return hashes
 
 
+def taken_again(folder):
+    """Deltas of settle.py by case and name of what is hidden."""
+    table = folder / "settled.csv"
+    return {(int(row["case"]), row["hidden"]): float(row["delta"]) for row in csv.DictReader(table.open())} if table.exists() else {}
+
+
 def read(folder):
     hashes, cases, missing = seals(folder), [], []
-    again = folder / "settled.csv"  # deltas that were taken again (settle.py)
-    settled = {(int(row["case"]), row["hidden"]): float(row["delta"]) for row in csv.DictReader(again.open())} if again.exists() else {}
+    settled = taken_again(folder)
     for file in sorted((folder / "sealed").glob("*.json")):
         text = file.read_bytes()
         if hashlib.sha256(text).hexdigest() != hashes[f"sealed/{file.name}"]:
@@ -175,6 +180,9 @@ def main():
     def strong(c):
         return c["tier"] in (0, 1) and c["delta"] is not None and c["delta"] >= 4.5
     print(f"{len(cases)} cases, of which nothing hidden in {sum(c['tier'] == 5 for c in cases)}")
+    if settled := taken_again(args.folder):
+        print(f"deltas that were taken again: of {len({case for case, _ in settled})} cases; on record for the others: up to "
+              f"{max((c['delta'] for c in cases if c['delta'] is not None and (c['case'], c['hidden'].split(' and ')[0]) not in settled), default=0.0):.2f}")
     if missing:
         print(f"not found, and in none of the rates: {len(missing)} ({', '.join(missing)})")
     print(f"\n{'':<45}{'all cases (95 % interval)':<28}50 blocks")
