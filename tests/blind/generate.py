@@ -119,6 +119,13 @@ FAULTS = {  # done to what was measured; the strength in the unit of the fault
 LOCAL = ("low_friction", "soil_patch", "forest_drag", "shrubs on a reach", "patch with soft borders")
 
 
+def whitening(rows):
+    """Makes the mean of such rows a vector of independent numbers of variance 1 per row."""
+    covariance = np.cov(rows.T)
+    covariance += np.diag(np.maximum(1e-3, 0.5 - np.diag(covariance)))  # what does not vary here has no certainty for that
+    return np.linalg.inv(np.linalg.cholesky(covariance))
+
+
 class Case:
     def __init__(self, args, number):
         self.args, self.number = args, number
@@ -294,8 +301,6 @@ class Case:
         def sample(soils=None, effects=(), fault=None):
             return self.features(self.measure(self.throw(work, self.args.count, seed, soils, effects)[0], np.random.default_rng(noise), fault), scale)
         base = sample()
-        covariance = np.cov(base.T)
-        covariance += np.diag(np.maximum(1e-3, 0.5 - np.diag(covariance)))  # what does not vary here has no certainty for that
         names = [(soil, key) for soil in self.soils for key in ABSORBING]
 
         def at(steps):
@@ -306,19 +311,13 @@ class Case:
                 moved = soils[soil][key] * math.exp(width * step) if key == "rolling" else soils[soil][key] + width * step
                 soils[soil][key] = float(min(max(moved, low), high))
             return soils
-        whiten = np.linalg.inv(np.linalg.cholesky(covariance))
+        whiten, one = whitening(base), np.eye(len(names))
+        J = whiten @ np.array([(sample(at(one[k])).mean(axis=0) - sample(at(-one[k])).mean(axis=0)) / 2.0 for k in range(len(names))]).T
+        # with ranges of about RANGE steps: what the test hardly tells about is not driven far by noise
+        steps_of = np.linalg.solve(self.n * J.T @ J + one / RANGE ** 2, self.n * J.T)
+        remains = np.eye(base.shape[1]) - J @ steps_of
 
-        def projection(steps):
-            """Derivatives there; what they leave; steps from what is left, with ranges of about RANGE steps: what the test hardly tells about is not driven far by noise."""
-            one = np.eye(len(names))
-            J = np.array([(sample(at(steps + one[k])).mean(axis=0) - sample(at(steps - one[k])).mean(axis=0)) / 2.0 for k in range(len(names))])
-            J = whiten @ J.T
-            information = self.n * J.T @ J + one / RANGE ** 2
-            return np.eye(base.shape[1]) - J @ np.linalg.solve(information, self.n * J.T), J, information
-        remains, by_step, information = projection(np.zeros(len(names)))
-        steps_of = np.linalg.solve(information, self.n * by_step.T)
-
-        def unexplained(remains, difference):
+        def unexplained(difference):
             """Squared, per block, less what chance adds."""
             left = remains @ whiten @ difference.mean(axis=0)
             return left @ left - np.trace(remains @ whiten @ np.cov(difference.T) @ whiten.T @ remains.T) / self.args.count
@@ -329,7 +328,7 @@ class Case:
                 return math.inf
             for k in range(1 + RECALIBRATIONS):  # Gauss-Newton: what a linear recalibration leaves may be less elsewhere
                 difference = hidden - model
-                least = min(least, unexplained(remains, difference))
+                least = min(least, unexplained(difference))
                 steps = steps + np.clip(steps_of @ whiten @ difference.mean(axis=0), -4.0, 4.0)
                 if k < RECALIBRATIONS:
                     model = sample(at(steps))
@@ -353,10 +352,6 @@ class Case:
             thrown = self.throw(work, count, seed, None if u is None else soils_at(u), effects)[0]
             return self.features(self.measure(thrown, np.random.default_rng(seed + 1), fault), scale)
 
-        def whitening(model):
-            covariance = np.cov(model.T)
-            covariance += np.diag(np.maximum(1e-3, 0.5 - np.diag(covariance)))  # what does not vary here has no certainty for that
-            return np.linalg.inv(np.linalg.cholesky(covariance))
         sample(self.args.count, seeds[0])  # sets the scale
         searched = min(SEARCHED, self.args.count)
         hidden = sample(searched, seeds[1], None, effects, fault)
