@@ -49,8 +49,8 @@ DELTAS = (2.0, 3.0, 4.5, 6.0, 9.0)  # to be reached: what the soil parameters ab
 TIERS = {0: 0.10, 1: 0.20, 2: 0.06, 3: 0.13, 4: 0.06, 5: 0.35, 6: 0.10}
 START = {"restitution": 0.1, "friction": 0.6, "rolling": 0.05}  # of the site that the finder gets
 POSITION_ERROR, SPEED_ERROR, HEIGHT_ERROR, SPIN_ERROR = 0.2, (0.05, 0.2), 0.1, 0.3
-# what a recalibration moves: step of the derivatives (of a logarithm for rolling), least and largest value; how often it is done, and how far
-ABSORBING = {"restitution": (0.05, 0.0, 0.9), "friction": (0.08, 0.1, 1.5), "rolling": (math.log(1.3), 0.001, 0.4)}
+# what a recalibration moves: step of the derivatives (of a logarithm for rolling), least and largest value, which are those of a diagnosis that is told nothing else
+ABSORBING = {"restitution": (0.05, 0.0, 0.4), "friction": (0.08, 0.3, 0.9), "rolling": (math.log(1.3), 0.002, 0.15)}
 RECALIBRATIONS = 3  # steps with the derivatives at the model's parameters
 SEARCHED, ALONG, GENERATIONS, POPULATION, ELITE = 400, 6, 7, 16, 5  # blocks of a point in the search all over the ranges, points of a line; cross-entropy method
 CORRECTIONS = 2  # of a strength whose settled delta is less than two thirds or more than one and a half times the value drawn
