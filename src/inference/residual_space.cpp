@@ -56,7 +56,7 @@ double kth_smallest(const std::vector<double>& values, std::size_t k) {
     constexpr std::size_t kLast = 127;
     constexpr double kClasses = 64.0;  // to a unit; the last one is open
     const auto class_of = [](double v) {
-        return static_cast<std::int32_t>(std::min(v * kClasses, static_cast<double>(kLast)));
+        return static_cast<std::int32_t>(std::min(static_cast<double>(kLast), v * kClasses));  // NaN: the last one
     };
     std::array<std::uint32_t, kLast + 1> count{};
     for (const double v : values) ++count[static_cast<std::size_t>(class_of(v))];

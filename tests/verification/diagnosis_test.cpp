@@ -12,6 +12,7 @@
 #include <cmath>
 #include <iostream>
 #include <set>
+#include <string>
 
 namespace scree {
 namespace {
@@ -231,6 +232,24 @@ TEST(Diagnosis, SimulatesLittleOfWhatIsFarBehind) {
     EXPECT_LT(simulated[kSorted], simulated[kMassTrend] / 2);  // 0.43 of it; followed to its end 0.63
     for (const std::size_t unlike : {kSpeedCap, kDepositAt50, kSpeedBias})
         EXPECT_LT(simulated[unlike], simulated[kMassTrend] / 20);  // their fingerprints
+}
+
+// Searches all over the ranges are most of it, and known beforehand: whoever asks for the time left is not told that of the next generation.
+TEST(Diagnosis, PlansItsWideSearchesToTheirEnd) {
+    const auto blocks = blocks_of_test();
+    std::set<std::size_t> planned;
+    int all = 0;
+    diagnose(
+        problem_for(blocks, all_effects()), measured(blocks, 100, {{kMassTrend, 0, 5.0}}), quick(0),
+        [&](const DiagnosisTask& t) { return std::optional(throw_blocks(blocks, t)); },
+        [&](const DiagnosisProgress& p) {
+            EXPECT_GT(p.planned, p.done);
+            if (std::string(p.stage) != "wide search") return;
+            planned.insert(p.planned);
+            ++all;
+        });
+    EXPECT_GT(all, 100);
+    EXPECT_LE(planned.size(), 3u);  // without effect, with those that were chosen, and from the given parameters
 }
 
 // Two names for one and the same thing: no measurement tells them apart, and neither is the answer alone.

@@ -90,9 +90,8 @@ private:
     struct ByState {
         Column screen, target;
         std::vector<std::uint32_t> rows;
-        std::vector<double> speed;  ///< ascending [m/s]
-        std::vector<double> value, mass, height,
-            rise;  ///< in the same order; heights and rises where they are measured
+        std::vector<double> speed;                      ///< ascending [m/s]
+        std::vector<double> value, mass, height, rise;  ///< in that order; the last two may be empty
     };
 
     ObservationTable reference_;
