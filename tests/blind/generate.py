@@ -14,7 +14,7 @@ sqrt(n d' P d), d the change of the means of what is measured of a block (and of
 covariance with the span of the parameters' derivatives projected out, after a recalibration. The strength is solved for the value drawn, 2 to 9, with the least of the values
 at the model's parameters and along Gauss-Newton steps from there, derivatives and covariance those at the model's parameters. The value for the record comes from other blocks
 (--count of them) and from a recalibration that searches all over the ranges of the parameters, in the covariance of each model that it looks at; where it is far from the value
-drawn the strength is corrected. Its own scatter is 0.5 to 1.
+drawn the strength is corrected.
 """
 import argparse
 import csv

@@ -4,8 +4,9 @@
 
 Usage: score.py FOLDER [--table FILE] [--picture FILE]
 
-FOLDER/settled.csv, if there is one, has deltas that were taken again (settle.py). Prints rates with their 95 % intervals (Wilson), of all cases and of those with 50 blocks, power by delta, of all effects together and of each, and a confusion
-matrix; --table writes one line per case, --picture draws the power curve (needs python3-matplotlib).
+Prints rates with their 95 % intervals (Wilson), of all cases and of those with 50 blocks, power by delta, of all effects together and of each, and a confusion
+matrix; --table writes one line per case, --picture draws the power curve (needs python3-matplotlib). FOLDER/settled.csv, if there is one, has deltas that were taken
+again (settle.py).
 """
 import argparse
 import collections

@@ -4,13 +4,12 @@
 
 Usage: settle.py SCREE FOLDER --seed S [--slopes SET] [--least D] [--cases N,N,...] [--threads N]
 
-FOLDER holds sealed/ and the sites of the run. Looks at truths only, never at what was found, and at all of them alike: every case with a delta of at least D
-on record (a better recalibration leaves less, never more). Adds to FOLDER/settled.csv, which score.py goes by, and goes on where it was stopped.
+FOLDER holds the sealed/ of a run. Looks at truths only, never at what was found, and at all of them alike: every effect or fault with a delta of at least D on record (all, if D is 0: what is
+left may also be more than on record, where the recalibrated model scatters less). Adds to FOLDER/settled.csv, which score.py goes by, and goes on where it was stopped.
 """
 import argparse
 import csv
 import json
-import subprocess
 import tempfile
 from pathlib import Path
 
@@ -24,7 +23,7 @@ def main():
     parser.add_argument("folder", type=Path)
     parser.add_argument("--seed", required=True)
     parser.add_argument("--slopes", choices=list(terrains.SETS), default="test")
-    parser.add_argument("--least", type=float, default=1.5)
+    parser.add_argument("--least", type=float, default=0.0)
     parser.add_argument("--cases", type=lambda text: [int(n) for n in text.split(",")], help="these alone")
     parser.add_argument("--threads", type=int, default=0)
     args = parser.parse_args()
@@ -40,16 +39,16 @@ def main():
         generate.compile_laws(Path(folder))
         for sealed in sorted((args.folder / "sealed").glob("*.json")):
             truth = json.loads(sealed.read_text())
-            largest = max((h["delta"] or 0.0 for h in truth["hidden"]), default=0.0)
-            if truth["case"] in done or largest < args.least or (args.cases and truth["case"] not in args.cases):
+            settling = [h for h in truth["hidden"] if h["delta"] is not None and h["delta"] >= args.least]
+            if not settling or truth["case"] in done or (args.cases and truth["case"] not in args.cases):
                 continue
             case = generate.Case(args, truth["case"])
-            for hidden in truth["hidden"]:
+            for hidden in settling:
                 effects, fault = ([hidden["entry"]], None) if "entry" in hidden else ((), (hidden["name"], hidden["strength"]))
                 delta = case.settled(Path(folder), effects, fault)
                 rows.writerow([truth["case"], hidden["name"], f"{hidden['delta']:.2f}", f"{delta:.2f}"])
+                print(f"case {truth['case']:04d}, {hidden['name']}: {hidden['delta']:.2f} on record, {delta:.2f}", flush=True)
             file.flush()
-            print(f"case {truth['case']:04d}: {largest:.2f} on record, {delta:.2f}", flush=True)
 
 
 if __name__ == "__main__":
