@@ -37,6 +37,17 @@ fs::path field_test(const fs::path& folder, int blocks, int dimension = 2) {
     return folder;
 }
 
+/// The same in 2D with an effect that the model lacks: FOLDER/site.toml, thrown in FOLDER/field.
+void field_test_with(const TempDir& folder, const std::string& effect, int blocks) {
+    std::string text = text_of(quarry_a() / "site.toml");
+    text = std::regex_replace(text, std::regex("\"data/"), "\"" + (quarry_a() / "data").string() + "/");
+    put(folder / "site.toml", text + "\n[[effect]]\n" + effect);
+    const Outcome field =
+        scree_program({"run", (folder / "site.toml").string(), "--output", (folder / "field").string(), "--set",
+                       "model.dimension=2", "--set", "release.count=" + std::to_string(blocks), "--seed", "5"});
+    ASSERT_EQ(field.code, 0) << field.err;
+}
+
 std::vector<std::string> diagnosis(const fs::path& output, const std::vector<std::string>& more) {
     std::vector<std::string> args{"diagnose", (quarry_a() / "site.toml").string(),      "--output", output.string(),
                                   "--free",   "soil.compact waste.rolling=0.01:0.3:log"};
@@ -147,6 +158,19 @@ TEST(Diagnose, WithoutTheRightNameItIsUnknownAndNoForce) {
     EXPECT_FALSE(verdict.contains("force"));
 }
 
+TEST(Diagnose, AForceSaysWhatAnEffectWithoutANameDoes) {
+    const TempDir folder;
+    field_test_with(folder, "kind = \"ground_drag\"\ncoefficient = 3.0\n", 30);
+    const Outcome run = diagnose(
+        folder / "out",
+        {"--observed", (folder / "field").string(), "--set",
+         without(R"(, "ground_drag", "rolling_speed", "speed_error", "screen_shift", "slow_missed", "ids_shuffled")")});
+    ASSERT_EQ(run.code, 0) << run.err;
+    EXPECT_THAT(run.out, HasSubstr("=> UNKNOWN"));
+    EXPECT_THAT(run.out, HasSubstr("held back more than in the model while they touch the ground"));
+    EXPECT_THAT(run.out, Not(HasSubstr("no force along the motion explains it")));
+}
+
 TEST(Diagnose, FindsNothingInATestOfTheModelItself) {
     const TempDir folder;
     const fs::path observed = with_speeds(field_test(folder / "field", 12), folder / "obs", 1.0), out = folder / "out";
@@ -202,13 +226,7 @@ TEST(Diagnose, WhatAProfileLeavesOutHasAName) {
 
 TEST(Diagnose, WhatActsInAPlaceIsALayerOfItsOwn) {
     const TempDir folder;
-    std::string text = text_of(quarry_a() / "site.toml");
-    text = std::regex_replace(text, std::regex("\"data/"), "\"" + (quarry_a() / "data").string() + "/");
-    put(folder / "site.toml", text + "\n[[effect]]\nkind = \"soil_patch\"\nfrom = 20.0\nto = 32.0\nrolling = 0.5\n");
-    const Outcome field =
-        scree_program({"run", (folder / "site.toml").string(), "--output", (folder / "field").string(), "--set",
-                       "model.dimension=2", "--set", "release.count=30", "--seed", "5"});
-    ASSERT_EQ(field.code, 0) << field.err;
+    field_test_with(folder, "kind = \"soil_patch\"\nfrom = 20.0\nto = 32.0\nrolling = 0.5\n", 30);
     const fs::path out = folder / "out";
     const Outcome run = diagnose(
         out, {"--observed", (folder / "field").string(), "--set", "diagnosis.rounds=2", "--set",
