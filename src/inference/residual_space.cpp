@@ -154,7 +154,7 @@ void ResidualSpace::choose(const ObservationTable& measured, const ResidualSetti
     }
     for (const Column& c : levels) {
         wanted.push_back({ResidualKind::Level, c, {}, kNaN, kNaN});
-        if (!of_impact(c)) wanted.push_back({ResidualKind::Spread, c, {}, kNaN, kNaN});
+        wanted.push_back({ResidualKind::Spread, c, {}, kNaN, kNaN});
         if (!log_mass_.empty()) wanted.push_back({ResidualKind::MassTrend, c, {}, kNaN, kNaN});
         if (of_impact(c)) continue;
         if (!log_shape_.empty()) wanted.push_back({ResidualKind::ShapeTrend, c, {}, kNaN, kNaN});

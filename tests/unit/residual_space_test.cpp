@@ -98,5 +98,32 @@ TEST(ResidualSpace, AnInnovationIsNewsSinceTheScreenBefore) {
     EXPECT_GT(mean_of(slowed, ResidualKind::Level, second), -2.0 * chance) << "among all speeds little";
 }
 
+// All blocks meet an impact with nearly the same speed: a camera that errs more than it says is seen there and at no screen.
+TEST(ResidualSpace, AnImpactShowsTheSpreadOfItsSpeeds) {
+    const Column start{Quantity::Speed, 0}, end{Quantity::Speed, 1};  // no share that passes: of an impact
+    const auto filmed = [&](std::size_t blocks, double deviation, std::uint64_t seed) {
+        ObservationTable t{{start, end}, {{}, {}}, std::vector<std::int32_t>(blocks, -1)};
+        RandomStream random(seed, 1, RandomPurpose::Effect);
+        for (std::size_t k = 0; k < blocks; ++k) {
+            t.values[0].push_back(6.0 + deviation * random.normal());
+            t.values[1].push_back(4.0 + random.normal());
+        }
+        return t;
+    };
+    const ObservationTable noisy = filmed(400, 0.5, 2);
+    const ResidualSpace space(filmed(2000, 0.25, 1), noisy, {}, {});
+    const ResidualRows rows = space.of(noisy);
+    const auto spread_of = [&](const Column& column) {
+        for (std::size_t k = 0; k < space.residuals().size(); ++k)
+            if (space.residuals()[k].kind == ResidualKind::Spread && space.residuals()[k].column == column)
+                return rows.col(static_cast<Eigen::Index>(k)).mean();
+        ADD_FAILURE() << "no such residual";
+        return kNaN;
+    };
+    const double chance = 3.0 * std::sqrt(1.0 / 400.0 + 1.0 / 2000.0);
+    EXPECT_GT(spread_of(start), 2.0 * chance);
+    EXPECT_LT(std::abs(spread_of(end)), chance);
+}
+
 }  // namespace
 }  // namespace scree::test
