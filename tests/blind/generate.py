@@ -10,7 +10,7 @@ the program alone, to throw the blocks of the truth (`scree run`); everything fr
 here) or is done to the measured values here.
 
 Strength: delta, the signal-to-noise ratio that a perfect linear test of this field test would have for the hidden effect after a recalibration of the model:
-sqrt(n d' P d), d the change of the means of what is measured of a block (and of its squares and its products with the logarithm of the mass), P the inverse of their
+sqrt(n d' P d), d the change of the means of what is measured of a block (with its squares, its products with the logarithm of the mass, and where it stops), P the inverse of their
 covariance with the span of the parameters' derivatives projected out, after a recalibration. The strength is solved for the value drawn, 2 to 9, with the least of the values
 at the model's parameters and along Gauss-Newton steps from there, derivatives and covariance those at the model's parameters. The value for the record comes from other blocks
 (--count of them) and from a recalibration that searches all over the ranges of the parameters, in the covariance of each model that it looks at; where it is far from the value
@@ -279,23 +279,25 @@ class Case:
         return v
 
     def features(self, v, scale):
-        """Per block: what is measured, its squares, its products with log mass. An empty list of scales is filled from these blocks."""
-        columns = [v[:, 1]]
+        """Per block: whether it stops before or between the screens; what is measured and its squares; products of all with log mass. An empty list of scales is
+        filled from these blocks."""
+        first, second = (np.isfinite(v[:, k]).astype(float) for k in (2, 5))
+        shares, measured = [first, first - second], [v[:, 1]]  # one and the other screen say the same of most blocks: their difference is a share of its own
         for k in range(2):
-            columns.append(np.isfinite(v[:, 2 + 3 * k]).astype(float))
-            columns.append(np.nan_to_num(v[:, 2 + 3 * k]))
+            measured.append(np.nan_to_num(v[:, 2 + 3 * k]))
             if "height" in self.instruments:
-                columns += [np.nan_to_num(v[:, 3 + 3 * k]), np.nan_to_num(v[:, 4 + 3 * k])]
+                measured += [np.nan_to_num(v[:, 3 + 3 * k]), np.nan_to_num(v[:, 4 + 3 * k])]
         if "impacts" in self.instruments:
-            columns += [np.nan_to_num(v[:, k]) for k in range(8, 8 + FILMED)]
-        x = np.stack(columns, axis=1)
+            measured += [np.nan_to_num(v[:, k]) for k in range(8, 8 + FILMED)]
+        x = np.stack(shares + measured, axis=1)
         if not scale:  # a share of all or nothing can move by no less than one of the n blocks without its being news
-            shares = np.array([set(np.unique(c)) <= {0.0, 1.0} for c in columns])
-            scale += [x.mean(axis=0), np.maximum(x.std(axis=0), np.where(shares, self.n ** -0.5, 1e-6))]
+            alike = np.array([len(np.unique(c)) < 2 for c in x.T])
+            alike[:len(shares)] = True
+            scale += [x.mean(axis=0), np.maximum(x.std(axis=0), np.where(alike, self.n ** -0.5, 1e-6))]
         x = (x - scale[0]) / scale[1]
         mass = np.log(v[:, 0])
         mass = (mass - mass.mean()) / mass.std()
-        return np.concatenate([x, x * x] + ([x * mass[:, None]] if self.ids else []), axis=1)
+        return np.concatenate([x, x[:, len(shares):] ** 2] + ([x * mass[:, None]] if self.ids else []), axis=1)
 
     def detectability(self, work):
         """A function from effects and fault to delta."""
