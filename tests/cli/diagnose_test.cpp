@@ -146,6 +146,20 @@ TEST(Diagnose, WithoutTheRightNameItIsUnknownAndNoForce) {
     EXPECT_THAT(run.out, HasSubstr("=> UNKNOWN"));
     EXPECT_THAT(run.out, HasSubstr("no force along the motion explains it"));
     EXPECT_THAT(text_of(out / "site_extended.toml"), Not(HasSubstr("[[effect]]")));
+}
+
+TEST(Diagnose, AForceSaysWhatAnEffectWithoutANameDoes) {
+    const TempDir folder;
+    field_test_with(folder, "kind = \"ground_drag\"\ncoefficient = 3.0\n", 30);
+    const fs::path out = folder / "out";
+    const std::vector<std::string> more{
+        "--observed", (folder / "field").string(), "--set",
+        without(R"(, "ground_drag", "rolling_speed", "speed_error", "screen_shift", "slow_missed", "ids_shuffled")")};
+    const Outcome run = diagnose(out, more);
+    ASSERT_EQ(run.code, 0) << run.err;
+    EXPECT_THAT(run.out, HasSubstr("=> UNKNOWN"));
+    EXPECT_THAT(run.out, HasSubstr("held back more than in the model while they touch the ground"));
+    EXPECT_THAT(run.out, Not(HasSubstr("no force along the motion explains it")));
 
     // the verdict alone, and less to wait for
     std::vector<std::string> less = more;
@@ -156,19 +170,6 @@ TEST(Diagnose, WithoutTheRightNameItIsUnknownAndNoForce) {
     EXPECT_EQ(verdict.at("sentence"), whole.at("sentence"));
     EXPECT_TRUE(whole.contains("force"));
     EXPECT_FALSE(verdict.contains("force"));
-}
-
-TEST(Diagnose, AForceSaysWhatAnEffectWithoutANameDoes) {
-    const TempDir folder;
-    field_test_with(folder, "kind = \"ground_drag\"\ncoefficient = 3.0\n", 30);
-    const Outcome run = diagnose(
-        folder / "out",
-        {"--observed", (folder / "field").string(), "--set",
-         without(R"(, "ground_drag", "rolling_speed", "speed_error", "screen_shift", "slow_missed", "ids_shuffled")")});
-    ASSERT_EQ(run.code, 0) << run.err;
-    EXPECT_THAT(run.out, HasSubstr("=> UNKNOWN"));
-    EXPECT_THAT(run.out, HasSubstr("held back more than in the model while they touch the ground"));
-    EXPECT_THAT(run.out, Not(HasSubstr("no force along the motion explains it")));
 }
 
 TEST(Diagnose, FindsNothingInATestOfTheModelItself) {
