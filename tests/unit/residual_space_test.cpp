@@ -98,7 +98,7 @@ TEST(ResidualSpace, AnInnovationIsNewsSinceTheScreenBefore) {
     EXPECT_GT(mean_of(slowed, ResidualKind::Level, second), -2.0 * chance) << "among all speeds little";
 }
 
-// All blocks meet an impact with nearly the same speed: a camera that errs more than it says is seen there and at no screen.
+// All blocks meet an impact with nearly the same speed: a camera that errs more than it says is seen there.
 TEST(ResidualSpace, AnImpactShowsTheSpreadOfItsSpeeds) {
     const Column start{Quantity::Speed, 0}, end{Quantity::Speed, 1};  // no share that passes: of an impact
     const auto filmed = [&](std::size_t blocks, double deviation, std::uint64_t seed) {
