@@ -8,7 +8,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <numeric>
 
 namespace scree {
 
@@ -18,9 +17,14 @@ namespace {
 constexpr double kGrow = 2.5, kMuchMore = 2.0;
 /// How many variants, of those whose fingerprints explain most, are looked at so; and of one effect at most; and how many of these are followed [-].
 constexpr std::size_t kScanned = 32, kScannedOfOne = 8, kChosenOfOne = 2;
-/// A search all over the ranges: generations of every form, then of the better half, and so on; standard deviation of the first one, of the ranges [-].
-constexpr std::array kGenerations{6, 6, 12, 16};
+/// A search all over the ranges: share of the generations that every form has, then the better half, and so on; standard deviation of the first one, of the
+/// ranges [-].
+constexpr std::array kStages{0.15, 0.15, 0.3, 0.4};
 constexpr double kWidely = 0.3;
+
+int generations_in(double stage, int all) {
+    return std::max(1, static_cast<int>(std::lround(stage * all)));
+}
 
 std::size_t simulations_in(int generations, Eigen::Index unknowns) {
     return static_cast<std::size_t>(generations * CmaEs::default_population(static_cast<std::size_t>(unknowns)));
@@ -151,8 +155,8 @@ Hypothesis Diagnoser::found_by(const WideSearch& w) const {
 
 std::optional<Hypothesis> Diagnoser::search_without() {
     WideSearch w = search_for({});
-    for (const int generations : kGenerations) planned_ += simulations_in(generations, w.low.size());
-    if (!search(w, std::reduce(kGenerations.begin(), kGenerations.end()))) return std::nullopt;
+    planned_ += simulations_in(settings_.generations, w.low.size());
+    if (!search(w, settings_.generations)) return std::nullopt;
     return found_by(w);
 }
 
@@ -174,13 +178,14 @@ bool Diagnoser::search_widely(const std::vector<Hypothesis>& chosen, std::vector
         ways.push_back(search_for(h));
     }
     std::size_t left = ways.size();
-    for (const int generations : kGenerations) {
+    for (const double stage : kStages) {
+        const int generations = generations_in(stage, settings_.generations);
         planned_ += ways.empty() ? 0 : left * simulations_in(generations, ways.front().low.size());
         left = better_half(left);
     }
-    for (const int generations : kGenerations) {
+    for (const double stage : kStages) {
         for (WideSearch& w : ways)
-            if (!search(w, generations)) return false;
+            if (!search(w, generations_in(stage, settings_.generations))) return false;
         std::stable_sort(ways.begin(), ways.end(),
                          [](const WideSearch& a, const WideSearch& b) { return a.left < b.left; });
         ways.erase(ways.begin() + static_cast<std::ptrdiff_t>(better_half(ways.size())), ways.end());

@@ -56,7 +56,7 @@ std::vector<std::string> diagnosis(const fs::path& output, const std::vector<std
           "calibration.search_repeats=3", "calibration.surroundings=8", "calibration.repeats=3",
           "calibration.final_repeats=5", "calibration.folds=2", "calibration.draws=200", "observed.draws=200",
           "diagnosis.reference_repeats=24", "diagnosis.repeats=8", "diagnosis.draws=199", "diagnosis.finalists=2",
-          "diagnosis.rounds=1"}) {
+          "diagnosis.rounds=1", "diagnosis.generations=6"}) {
         args.push_back("--set");
         args.push_back(set);
     }
@@ -198,11 +198,11 @@ TEST(Diagnose, FindsNothingInATestOfTheModelItself) {
 
 TEST(Diagnose, WhatAProfileLeavesOutHasAName) {
     const TempDir folder;
-    const fs::path out = folder / "out", field = field_test(folder / "field", 40, 3);
+    const fs::path out = folder / "out", field = field_test(folder / "field", 24, 3);
     const Outcome run = diagnose(
         out,
         {"--observed", field.string(), "--set", "diagnosis.reference_repeats=40", "--set", "diagnosis.repeats=16",
-         "--set", "diagnosis.rounds=2", "--set",
+         "--set",
          R"(diagnosis.without=["soil_patch", "low_friction", "forest_drag", "slip_friction", )"
          R"("rolling_size", "restitution_mass", "restitution_half_speed", "fragmentation", )"
          R"("release_motion", "roughness", "rolling_speed", "slow_missed", "broken_block", "screen_shift", "block_shape", "ids_shuffled"])"});
@@ -231,6 +231,7 @@ TEST(Diagnose, WhatActsInAPlaceIsALayerOfItsOwn) {
     const fs::path out = folder / "out";
     const Outcome run = diagnose(
         out, {"--observed", (folder / "field").string(), "--set", "diagnosis.rounds=2", "--set",
+              "diagnosis.generations=40", "--set",
               R"(diagnosis.without=["low_friction", "forest_drag", "slip_friction", "rolling_size", "rolling_speed", )"
               R"("restitution_mass", "restitution_half_speed", "fragmentation", "release_motion", "block_shape", )"
               R"("roughness", "ground_drag", "third_dimension", "screen_shift", "slow_missed", "ids_shuffled"])"});
