@@ -76,8 +76,9 @@ struct DiagnosisSettings {
     std::int64_t draws = 999;   ///< of chance [-]
     double level = 0.05;        ///< share of models without a flaw that are rejected [-]
     std::size_t finalists = 6;  ///< effects that are simulated at their best strength [-]
-    int generations = 40;       ///< of a search all over the ranges for a form that goes on to its end [-]
-    int rounds = 6;             ///< surveys on the way there, at most: it ends where it has settled [-]
+    int generations =
+        40;  ///< of a search all over the ranges, about, for a form that goes on to its end: one in each stage at least [-]
+    int rounds = 6;  ///< surveys on the way there, at most: it ends where it has settled [-]
     double prior_none =
         0.5;  ///< weight of the calibrated model before the data, once the test has rejected it; the effects share the rest [-]
     double prior_unnamed = 0.2;  ///< share of what is missing that has no name in the catalogue, before the data [-]
