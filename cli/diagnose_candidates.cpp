@@ -367,7 +367,11 @@ std::vector<CandidateEffect> DiagnosisCatalogue::for_core() const {
     std::vector<CandidateEffect> list;
     for (const DiagnosisCandidate& c : candidates) {
         CandidateEffect e{c.name, c.measurement, {}};
-        for (const DiagnosisVariant& v : c.variants) e.variants.push_back({v.label, v.most, v.path});
+        for (const DiagnosisVariant& v : c.variants) {
+            e.variants.push_back({v.label, v.most, v.path});
+            if (v.space)
+                e.second_beside = false;  // a diagnosis in 3D does that better, and does not simulate in 2D, too
+        }
         list.push_back(std::move(e));
     }
     return list;

@@ -284,9 +284,12 @@ static std::string as_followed_remark(const std::string& model) {
 static std::string sideways_remark(const DiagnoseStudy& study) {
     for (const AnswerFit& a : study.answers)
         if (a.in_space()) return "";
-    std::string known;
+    std::string known, beside;
     for (const EffectFinding& f : study.diagnosis.findings)
         if (study.variant_of(f).space) known = "third_dimension has weight " + weight_text(f.weight);
+    if (const auto& all = study.diagnosis.findings;
+        !all.empty() && all.front().finalist && study.variant_of(all.front()).space)
+        beside = ", which finds what acts beside it, too";
     if (study.beside > kWorthTelling)
         known += (known.empty() ? "" : "; ") + ("the stops lie " + short_number(study.beside)) +
                  " m to the sides of the axis, in standard deviations";
@@ -296,7 +299,7 @@ static std::string sideways_remark(const DiagnoseStudy& study) {
                          ")"
                    : "";
     return "the model is 2D: what blocks do sideways can look like an effect; confirm with model.dimension = 3" +
-           (known.empty() ? "" : " (" + known + ")");
+           beside + (known.empty() ? "" : " (" + known + ")");
 }
 
 std::vector<std::string> diagnose_remarks(const DiagnoseStudy& study) {

@@ -12,7 +12,7 @@ constexpr double kSure = 2.0;
 /// Step of its derivative, of the largest strength [-].
 constexpr double kStep = 0.08;
 
-/// The model with an effect in it, whose strength, as a share of the largest, is the last parameter.
+/// The model with an effect in it, whose strength, as a share of the largest, is the last parameter; and what may be missing beside it.
 DiagnosisProblem with_effect(DiagnosisProblem problem, const EffectFinding& f) {
     problem.calibrated = f.parameters;
     problem.calibrated.push_back(f.strength / problem.effects[f.effect].variants[f.variant].most);
@@ -20,7 +20,9 @@ DiagnosisProblem with_effect(DiagnosisProblem problem, const EffectFinding& f) {
     problem.low.push_back(0.0);
     problem.high.push_back(1.0);
     problem.step.push_back(kStep);
-    problem.effects[f.effect].variants.clear();
+    const bool second_beside = problem.effects[f.effect].second_beside;
+    for (std::size_t k = 0; k < problem.effects.size(); ++k)
+        if (k == f.effect || !second_beside) problem.effects[k].variants.clear();
     return problem;
 }
 

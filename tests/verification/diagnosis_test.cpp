@@ -369,6 +369,8 @@ TEST(Diagnosis, DISABLED_StatisticsOfPlaces) {
 TEST(Diagnosis, NamesTwoEffectsThatActTogether) {
     const auto blocks = blocks_of_test();
     const DiagnosisProblem problem = problem_for(blocks, all_effects());
+    DiagnosisProblem without_pairs = problem;
+    for (CandidateEffect& e : without_pairs.effects) e.second_beside = false;
     int both = 0, wrong = 0;
     for (std::uint64_t k = 0; k < 10; ++k) {
         const ObservationTable table = measured(blocks, 600 + k, {{kMassTrend, 0, 4.0}, {kSpeedBias, 0, 3.0}});
@@ -381,6 +383,12 @@ TEST(Diagnosis, NamesTwoEffectsThatActTogether) {
         EXPECT_EQ(d.answer.front().parameters, d.answer.back().parameters);
         ++both;
         for (const EffectFinding& f : d.answer) EXPECT_NEAR(f.strength, f.effect == kMassTrend ? 4.0 : 3.0, 2.5);
+        if (both > 2) continue;
+        const Diagnosis alone = diagnosis_of(blocks, without_pairs, table, k);
+        EXPECT_EQ(alone.verdict, Verdict::Unknown);
+        EXPECT_TRUE(alone.answer.empty());
+        EXPECT_TRUE(alone.findings.front().finalist);
+        EXPECT_LT(alone.simulated_blocks, d.simulated_blocks);
     }
     EXPECT_GE(both, 6);
     EXPECT_EQ(wrong, 0);

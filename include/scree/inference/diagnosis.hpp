@@ -39,6 +39,8 @@ struct CandidateEffect {
     /// Acts on what is measured, not on what happens; beforehand about as strong as the reference at most.
     bool measurement = false;
     std::vector<EffectVariant> variants;
+    /// Where it leaves too much, a second effect is looked for beside it. If not, it is only asked whether it suffices alone.
+    bool second_beside = true;
 };
 
 /// An effect switched on.
