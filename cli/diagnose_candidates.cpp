@@ -369,8 +369,8 @@ std::vector<CandidateEffect> DiagnosisCatalogue::for_core() const {
         CandidateEffect e{c.name, c.measurement, {}};
         for (const DiagnosisVariant& v : c.variants) {
             e.variants.push_back({v.label, v.most, v.path});
-            if (v.space)
-                e.second_beside = false;  // a diagnosis in 3D does that better, and does not simulate in 2D, too
+            // left to a diagnosis in 3D, which does not simulate in 2D besides
+            if (v.space) e.second_beside = false;
         }
         list.push_back(std::move(e));
     }

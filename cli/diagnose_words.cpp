@@ -285,11 +285,12 @@ static std::string sideways_remark(const DiagnoseStudy& study) {
     for (const AnswerFit& a : study.answers)
         if (a.in_space()) return "";
     std::string known, beside;
-    for (const EffectFinding& f : study.diagnosis.findings)
-        if (study.variant_of(f).space) known = "third_dimension has weight " + weight_text(f.weight);
-    if (const auto& all = study.diagnosis.findings;
-        !all.empty() && all.front().finalist && study.variant_of(all.front()).space)
-        beside = ", which finds what acts beside it, too";
+    for (const EffectFinding& f : study.diagnosis.findings) {
+        if (!study.variant_of(f).space) continue;
+        known = "third_dimension has weight " + weight_text(f.weight);
+        if (f.finalist && &f == &study.diagnosis.findings.front())
+            beside = ", which also looks for what acts beside the third dimension";
+    }
     if (study.beside > kWorthTelling)
         known += (known.empty() ? "" : "; ") + ("the stops lie " + short_number(study.beside)) +
                  " m to the sides of the axis, in standard deviations";

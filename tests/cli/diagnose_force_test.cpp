@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// What has no name, told as a force: the laws of the forces, and what is said of their z. And what is particular about candidates of the catalogue.
+// What has no name, told as a force: the laws of the forces, and what is said of their z.
 #include "cli/diagnose_force.hpp"
 
 #include "cli/program.hpp"
@@ -9,7 +9,6 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <algorithm>
 #include <cmath>
 
 namespace scree::cli {
@@ -152,14 +151,6 @@ TEST(DiagnoseForce, SaysHowMuchAForceLeaves) {
 
 TEST(DiagnoseForce, IsSilentWhereNoneWasTried) {
     EXPECT_THAT(force_sentences(DiagnoseStudy{}), IsEmpty());
-}
-
-TEST(DiagnoseCandidates, BesideTheThirdDimensionNothingElseIsLookedFor) {
-    const SiteFile site = read_site_file(test::quarry_a() / "site.toml", {"model.dimension=2"});
-    const std::vector<CandidateEffect> core = make_candidates(site, load_site(site), two_blocks(), "").for_core();
-    EXPECT_TRUE(
-        std::any_of(core.begin(), core.end(), [](const CandidateEffect& e) { return e.name == kThirdDimension; }));
-    for (const CandidateEffect& e : core) EXPECT_EQ(e.second_beside, e.name != kThirdDimension) << e.name;
 }
 
 }  // namespace

@@ -11,6 +11,10 @@
 namespace scree::cli {
 namespace {
 
+using testing::Contains;
+using testing::HasSubstr;
+using testing::Not;
+
 /// A rejected model with finalists of these weights, the first of which leaves what its own simulations leave with the chance p.
 DiagnoseStudy unknown(const std::vector<double>& weights, double p) {
     DiagnoseStudy study;
@@ -52,6 +56,18 @@ TEST(DiagnoseWords, WhatComesNearestAndCannotBeIt) {
     EXPECT_EQ(verdict_sentence(unknown({0.99}, 0.005)),
               "UNKNOWN: something is missing (p = 0.002) that has no name in the catalogue; ground_drag comes nearest, "
               "but only 0.5 % of its own simulations look as far off");
+}
+
+TEST(DiagnoseWords, WhereTheThirdDimensionIsNearest3DSaysMore) {
+    DiagnoseStudy study = unknown({0.9, 0.05}, 0.005);
+    study.in_plane = true;
+    EXPECT_THAT(diagnose_remarks(study), Not(Contains(HasSubstr("beside the third dimension"))));
+    study.catalogue.candidates[1].variants[0].space = true;
+    EXPECT_THAT(diagnose_remarks(study), Not(Contains(HasSubstr("beside the third dimension"))));
+    study.catalogue.candidates[0].variants[0].space = true;
+    EXPECT_THAT(
+        diagnose_remarks(study),
+        Contains(HasSubstr("confirm with model.dimension = 3, which also looks for what acts beside the third")));
 }
 
 TEST(DiagnoseWords, ANameThatWasTakenBack) {
