@@ -63,6 +63,14 @@ std::string is_change(const std::string& text) {
                : "";
 }
 
+/// Where results go unless --output says otherwise: beside output.directory, so that no command replaces the results of another.
+std::string output_help(const Command& command) {
+    const std::string suffix = command.run == run_run        ? ""
+                               : command.run == run_diagnose ? " + _diagnose, with --plan + _plan"
+                                                             : std::string(" + _") + command.name;
+    return "Folder of the results (default: output.directory of the site file" + suffix + ")";
+}
+
 void add_options(CLI::App& sub, const Command& command, Context& context) {
     if (command.target == Target::Site) {
         sub.add_option("SITE", context.target, "Site file (site.toml)")->type_name("")->required();
@@ -86,8 +94,7 @@ void add_options(CLI::App& sub, const Command& command, Context& context) {
     if (command.target == Target::Kind)
         sub.add_option("KIND", context.target, "The effect to explain; without it all are listed")->type_name("");
     if (command.writes_results) {
-        sub.add_option("--output", context.output, "Folder of the results (default: output.directory of the site file)")
-            ->type_name("FOLDER");
+        sub.add_option("--output", context.output, output_help(command))->type_name("FOLDER");
         sub.add_flag("--overwrite", context.overwrite, "Replace results that are there already");
     }
     if (command.computes) {
@@ -101,7 +108,7 @@ void add_options(CLI::App& sub, const Command& command, Context& context) {
                    context.progress = style == "json" ? ProgressStyle::Json : ProgressStyle::Automatic;
                },
                "auto, or json: one JSON object a line on the error stream")
-            ->type_name("")
+            ->type_name("STYLE")
             ->check(CLI::IsMember({"auto", "json"}));
     }
     const std::string name = command.name;
@@ -142,7 +149,7 @@ void add_options(CLI::App& sub, const Command& command, Context& context) {
     if (name == "settings")
         sub.add_option("--format", context.format,
                        "markdown (the manual; the default) or toml (a site file with all defaults)")
-            ->type_name("")
+            ->type_name("FORMAT")
             ->check(CLI::IsMember({"markdown", "toml"}));
 }
 

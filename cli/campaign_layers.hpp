@@ -38,7 +38,7 @@ inline double mean_of(const QuantityStatistics& s, std::int64_t passages) {
     return 1e-4 * static_cast<double>(s.sum) / static_cast<double>(passages);
 }
 
-/// The results of a campaign as layers (DESIGN: results.gpkg), ready to be written.
+/// The results of a campaign as the layers of results.gpkg and the rasters, ready to be written.
 std::vector<gis::VectorLayer> campaign_vectors(const SiteModel& model, const CampaignResult& result);
 std::vector<gis::RasterLayer> campaign_rasters(const SiteModel& model, const CampaignResult& result);
 /// The one among them that hazard maps begin with; 3D.

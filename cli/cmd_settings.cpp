@@ -12,8 +12,8 @@ ExitCode run_settings(const Context& context) {
         defaults.dtm = "data/dtm.tif";
         defaults.release.file = "data/release.gpkg";
         defaults.soils.push_back({.name = "ground"});
-        *context.out << "# All keys with their defaults; the first three of these you must change: terrain.dtm, "
-                        "release.file, [[soil]].\n"
+        *context.out << "# All keys with their defaults. Three you must set yourself: terrain.dtm, release.file and "
+                        "[[soil]].\n"
                         "# What each means, its unit and its range: scree settings\n\n"
                      << settings_as_toml(defaults, [](const std::string& path) { return path; });
     } else {

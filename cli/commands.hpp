@@ -27,12 +27,12 @@ struct Context {
     int threads = 0;  ///< 0: all cores
     bool quiet = false;
     ProgressStyle progress = ProgressStyle::Automatic;
-    std::string format = "text";    ///< of `settings`
-    std::string observed;           ///< --observed: measurements of `compare`, `calibrate`, `sweep`, `diagnose`
-    std::vector<std::string> free;  ///< --free: of `calibrate` and `diagnose`
-    bool resume = false;            ///< --resume: of `calibrate` and `diagnose`
-    bool plan = false;              ///< --plan: of `diagnose`
-    bool full = false;              ///< --full: of `diagnose`
+    std::string format = "markdown";  ///< of `settings`: markdown or toml
+    std::string observed;             ///< --observed: measurements of `compare`, `calibrate`, `sweep`, `diagnose`
+    std::vector<std::string> free;    ///< --free: of `calibrate` and `diagnose`
+    bool resume = false;              ///< --resume: of `calibrate` and `diagnose`
+    bool plan = false;                ///< --plan: of `diagnose`
+    bool full = false;                ///< --full: of `diagnose`
     std::string instruments = "stops,speed";  ///< --instruments: of `diagnose --plan`
     std::int64_t sets = 20;                   ///< --sets: of `sweep` [-]
     std::ostream* out = nullptr;

@@ -134,9 +134,10 @@ void add_model(std::vector<Setting<SiteSettings>>& keys) {
     keys.push_back(model.choice("mode", kSteppingModeNames, AT(dynamics.mode),
                                 "event: steps end where a contact closes; use it. moreau_jean: the scheme of Bourrier "
                                 "& Acary 2022, to compare with them, with time_step = 1e-3."));
-    keys.push_back(
-        model.number("time_step", "s", {1e-6, 0.02}, AT(dynamics.time_step),
-                     "Longest step in contact. event: 8e-3 has converged; longer is faster and less accurate."));
+    keys.push_back(model.number(
+        "time_step", "s", {1e-6, 0.02}, AT(dynamics.time_step),
+        "Longest step in contact. event: results have converged at 8e-3; shorter gains nothing. moreau_jean: 1e-3 and "
+        "shorter."));
     keys.push_back(model.number("time_limit", "s", {0.1, 1e5}, AT(dynamics.time_limit),
                                 "A block still moving then ends as time_limit."));
     keys.push_back(model.integer("seed", {0, 9e15}, AT(seed),
@@ -245,9 +246,10 @@ void add_output(std::vector<Setting<SiteSettings>>& keys) {
     keys.push_back(output.integer("impacts", {0, 10}, AT(impacts),
                                   "How many of the first impacts of every block to keep, with the motion before and "
                                   "after. An impact lies between two flights of 0.1 s and more."));
-    keys.push_back(output.integer("contact_problems", {0, 1e6}, AT(contact_problems),
-                                  "How many of the contact problems above solver_tolerance to keep as text files in "
-                                  "contact_problem_BLOCK_NUMBER.txt, for whoever wants to look into them."));
+    keys.push_back(output.integer(
+        "contact_problems", {0, 1e6}, AT(contact_problems),
+        "How many of the contact problems above solver_tolerance to keep as text files in "
+        "contact_problem_BLOCK_N.txt (N counts those of a block), for whoever wants to look into them."));
     keys.push_back(
         output.number("resolution", "m", kNotNegative, AT(result_resolution),
                       "Cell of the result rasters, in 2D of the curves along the profiles; 0 takes the model's."));
@@ -458,7 +460,9 @@ std::string settings_manual() {
     out << "# Keys of the site file\n\nPaths are relative to the site file. A key that is not listed here is an error. "
            "Any key can be set on the command line: "
            "`--set terrain.resolution=2`, `--set \"soil.loose waste.rolling=0.05\"`, of several soils at once with "
-           "`soil.*.rolling` or `soil.sand|gravel.rolling`.\n";
+           "`soil.*.rolling` or `soil.sand|gravel.rolling`; `effect.KIND.KEY` means all effects of a kind, "
+           "`effect.1.KEY` the second "
+           "of the file.\n";
     std::string section;
     auto head = [&](const std::string& name, bool list) {
         out << "\n## " << (list ? "[[" : "[") << name << (list ? "]]" : "]") << "\n\n"

@@ -22,7 +22,8 @@ namespace {
 // What Scree writes into its own results beside what is read here.
 constexpr const char* kOwnFields[] = {"block",       "runout_m",     "drop_m",        "path_m",
                                       "time_s",      "speed_max_ms", "energy_max_kj", "release_feature",
-                                      "azimuth_deg", "percent_low",  "percent_high",  "raised_m"};
+                                      "azimuth_deg", "percent_low",  "percent_high",  "raised_m",
+                                      "profile",     "s_m",          "release_s_m",   "mass_left_kg"};
 constexpr double kPoorAccuracy = 5.0;  // of a transformation that deserves a warning [m]
 
 std::string lower(std::string text) {

@@ -52,6 +52,7 @@ const UsageCase kUsage[] = {
     {"HelpCheck", {"check", "--help"}, 0, "--set", ""},
     {"HelpTerrain", {"terrain", "--help"}, 0, "--overwrite", ""},
     {"HelpProfile", {"profile", "--help"}, 0, "--overwrite", ""},
+    {"HelpSaysWhereResultsGo", {"compare", "--help"}, 0, "output.directory of the site file + _compare", ""},
     {"ProfileTakesNoThreads", {"profile", kQuarry, "--threads", "2"}, 2, "", "--threads; see scree profile --help"},
     {"HelpRun", {"run", "--help"}, 0, "--threads", ""},
     {"HelpCompare", {"compare", "--help"}, 0, "--observed", ""},

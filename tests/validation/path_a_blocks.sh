@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Thirty blocks on a slope like path A of the paper, against the reference's exact-contact outcomes: prints the table of README.md, section path_a_blocks.
+# Thirty blocks on a slope like path A of the paper, against the reference's exact-contact outcomes: prints the table of README.md, "Thirty blocks on path A".
 # Usage: path_a_blocks.sh [COPIES]     (of each block, default 40; needs the target scree_throw of the release build, takes minutes)
 set -euo pipefail
 here="$(cd "$(dirname "${BASH_SOURCE[0]}")" && pwd)"
@@ -19,10 +19,10 @@ thrown() {
 }
 thrown moreau_jean_vertices --mode moreau_jean --step 1e-3 --vertices-only
 thrown moreau_jean --mode moreau_jean --step 1e-3
-thrown event_vertices --vertices-only
-thrown event
-thrown rough_event_vertices --vertices-only --noise 0.05
-thrown rough_event --noise 0.05
+thrown event_vertices --step 4e-3 --vertices-only
+thrown event --step 4e-3
+thrown rough_event_vertices --step 4e-3 --vertices-only --noise 0.05
+thrown rough_event --step 4e-3 --noise 0.05
 # compared NAME|FILE:MODEL...: how far sets are from the first of them
 compared() {
     local sets=()

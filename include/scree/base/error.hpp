@@ -22,7 +22,7 @@ public:
     using Error::Error;
 };
 
-/// The machine or the method failed: disc full, a run whose failures exceed what is allowed.
+/// The machine or the method failed: disc full, a file that cannot be written, an operation on geometries that fails.
 class ComputeError : public Error {
 public:
     using Error::Error;

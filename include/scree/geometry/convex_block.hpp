@@ -54,7 +54,7 @@ struct ConvexBlock {
     Vec3 normal(Eigen::Index f) const { return {nx[f], ny[f], nz[f]}; }
 };
 
-/// Shapes of DESIGN section 4. All fill the box L1 x L2 x L3 exactly.
+/// Shapes of blocks (key blocks.shape). All fill the box L1 x L2 x L3 exactly.
 enum class BlockShape { Hull, Sharp, Round, Box, Eota, Ellipsoid, File };
 
 /// Names as in the site file, in the order of the enumeration.
