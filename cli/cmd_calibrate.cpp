@@ -146,10 +146,7 @@ ExitCode run_calibrate(const Context& context) {
     report.before_study.repeats = report.after_study.repeats =
         observed.observations.matched ? report.settings.final_repeats : 0;
     report.blocks = report.after_study.blocks;
-    for (const CalibrationEvaluation& e : report.journal)
-        report.thrown +=
-            e.task.repeats * std::max<std::int64_t>({1, observed.observations.thrown,
-                                                     static_cast<std::int64_t>(observed.observations.blocks.size())});
+    for (const CalibrationEvaluation& e : report.journal) report.thrown += e.task.repeats * blocks_of(observed);
 
     gis::write_results(folder, results_of(report, model, observed, after, folder, journal.text()), context.overwrite);
     journal.remove();

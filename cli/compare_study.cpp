@@ -111,12 +111,8 @@ void add_passing(CompareStudy& study, const SiteModel& model, const ObservedSite
         if (std::isfinite(at) && seen.insert(screen.name).second)
             study.beyond_screens.push_back({screen.name, at, share_above(measured, at), share_above(simulated, at)});
     };
-    for (const Screen& screen : model.campaign.screens)
-        if (!screen.line.empty()) add(screen, observed.op.axis.crossing(screen.line));
-    for (const ProfileTrack& track : model.campaign.tracks)
-        for (const ProfileTrack::Mark& mark : track.marks)
-            add(model.campaign.screens[static_cast<std::size_t>(mark.screen)],
-                observed.op.axis.place(track.profile.place_at(mark.s)).along);
+    const std::vector<double> chainages = screen_chainages(model, observed.op.axis);
+    for (std::size_t k = 0; k < chainages.size(); ++k) add(model.campaign.screens[k], chainages[k]);
     std::sort(study.beyond_screens.begin(), study.beyond_screens.end(),
               [](const SharePair& a, const SharePair& b) { return a.chainage < b.chainage; });
     const double farthest = std::max(*std::max_element(measured.begin(), measured.end()),

@@ -21,7 +21,7 @@ struct Search {
     const char* family;  ///< name of the effect that stands for all of its family
     EffectKind kind;
     const char* parameter;
-    double reference;  ///< [unit of the parameter]
+    double reference;  ///< [unit of the parameter]; of low friction and of a patch a factor [-]
     double most;       ///< [-]
     Where where;
     const char* label;  ///< tells the ways of one effect apart
@@ -37,8 +37,8 @@ constexpr Search kSearches[] = {
     {"rolling_speed", K::RollingSpeed, "speed", 5.0, 5.0, Where::Soils, ""},
     {"rolling_size", K::RollingSize, "exponent", 1.0, 3.0, Where::Everywhere, "more for large blocks"},
     {"rolling_size", K::RollingSize, "exponent", -1.0, 2.0, Where::Everywhere, "less for large blocks"},
-    {"low_friction", K::LowFriction, "friction", 0.3, 3.0, Where::Soils, ""},
-    {"low_friction", K::LowFriction, "friction", 0.3, 3.0, Where::StretchOnly, ""},
+    {"low_friction", K::LowFriction, "friction", 0.6, 3.0, Where::Soils, ""},
+    {"low_friction", K::LowFriction, "friction", 0.6, 3.0, Where::StretchOnly, ""},
     {"roughness", K::Roughness, "amplitude", 0.05, 8.0, Where::Soils, ""},
     {"soil_patch", K::SoilPatch, "rolling", 3.0, 4.0, Where::StretchOnly, "that holds blocks back"},
     {"soil_patch", K::SoilPatch, "rolling", 1.0 / 3.0, 4.0, Where::StretchOnly, "that lets blocks run"},
@@ -332,9 +332,9 @@ double DiagnosisVariant::value(double strength) const {
     const EffectParameter& p = effect_parameter(kind, parameter);
     const double neutral = std::isnan(start) ? p.neutral : start;
     double v = 0.0;
-    if (kind == EffectKind::SoilPatch)
+    if (kind == EffectKind::SoilPatch || kind == EffectKind::LowFriction)
         v = neutral * std::pow(reference, strength);
-    else if (kind == EffectKind::BlockShape || kind == EffectKind::LowFriction)
+    else if (kind == EffectKind::BlockShape)
         v = neutral * std::pow(reference / neutral, strength);  // factors
     else if (std::isinf(neutral))
         v = strength > 0.0 ? reference / strength : p.high;

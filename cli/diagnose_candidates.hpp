@@ -19,8 +19,9 @@ struct DiagnosisVariant {
     std::string parameter;  ///< key of the catalogue whose value the strength stands for
     double start =
         kNaN;  ///< its value at strength 0 where the catalogue has none: that of the ground there (on_ground) [*]
-    double reference = 0.0;  ///< its value at strength 1; of a soil patch, as a share of `start` [*]
-    double most = 3.0;       ///< largest strength that is searched [-]
+    double reference =
+        0.0;            ///< its value at strength 1; of a soil patch and of low friction, as a share of `start` [*]
+    double most = 3.0;  ///< largest strength that is searched [-]
     EffectPlace place;
     std::string soil;  ///< name, for the site file; empty: all
     std::optional<Stretch>

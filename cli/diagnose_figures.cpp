@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "cli/diagnose_report.hpp"
+#include "cli/diagnose_words.hpp"
 #include "cli/plot.hpp"
 #include "cli/text.hpp"
 
@@ -26,7 +27,7 @@ struct Bar {
 
 /// Horizontal bars around zero with the limits of chance.
 Figure bar_chart(const std::vector<Bar>& bars, double low_limit, double high_limit, const std::string& title,
-                 const std::string& axis) {
+                 const std::string& axis, const std::string& chance) {
     double names = 60.0, most = 1.0, notes = 20.0;
     for (const Bar& b : bars) {
         names = std::max(names, 20.0 + text_width(b.name, 12.0));
@@ -59,7 +60,7 @@ Figure bar_chart(const std::vector<Bar>& bars, double low_limit, double high_lim
     svg.text({10.0, 20.0}, title, words(13.5, "start", true));
     Vec2 at(names, 40.0);
     at.x() += draw_legend(svg, at, LegendMark::Box, kSimulatedColour, "beyond chance");
-    draw_legend(svg, at, LegendMark::Box, "#ececec", "95 % of chance, for all together");
+    draw_legend(svg, at, LegendMark::Box, "#ececec", chance);
     return {"", "", "", svg.text()};
 }
 
@@ -76,7 +77,7 @@ Figure where_figure(const DiagnoseStudy& study) {
                         d.score.standardised[static_cast<Eigen::Index>(k)],
                         d.test.residual_p[static_cast<Eigen::Index>(k)] <= study.settings.level, ""});
     Figure f = bar_chart(bars, -d.test.residual_limit, d.test.residual_limit, "What the calibrated model leaves",
-                         "measured less simulated [standard deviations]");
+                         "measured less simulated [standard deviations]", chance_words(study));
     f.file = "where.svg";
     f.title = "Where the calibrated model fails";
     f.caption =
@@ -90,22 +91,25 @@ Figure effects_figure(const DiagnoseStudy& study) {
     std::vector<Bar> bars;
     for (const EffectFinding& f : d.findings) {
         const double value = study.planning ? f.visibility : f.z;
-        bars.push_back({study.candidate_of(f).name, value, value > d.test.z_limit,
+        bars.push_back({study.candidate_of(f).name, value, study.planning ? value > d.test.z_limit : f.beyond_chance,
                         f.finalist ? "weight " + weight_text(f.weight) : ""});
     }
     if (study.planning)  // else finalists first, by weight
         std::stable_sort(bars.begin(), bars.end(), [](const Bar& a, const Bar& b) { return a.value > b.value; });
-    Figure f = bar_chart(bars, kNaN, d.test.z_limit, study.planning ? "What could be seen" : "What explains it",
-                         study.planning ? "z to expect at the reference strength" : "z of the effect");
+    Figure f =
+        bar_chart(bars, kNaN, d.test.z_limit, study.planning ? "What could be seen" : "What explains it",
+                  study.planning ? "z to expect at the reference strength" : "z of the effect", chance_words(study));
     f.file = "effects.svg";
     f.title = study.planning ? "What could be seen" : "What explains it";
-    f.caption = study.planning
-                    ? "How many standard deviations an effect at its reference strength would move the measurements, "
-                      "with all taken out that a recalibration would absorb."
-                    : "Bars: how well each effect, at its best place and form, explains what the calibrated model "
-                      "leaves, in standard deviations. First the finalists by their weight, "
-                      "which is that of simulations at the strength and parameters that fit best: those may lie far "
-                      "from the calibrated model, where the bar cannot show it.";
+    f.caption =
+        study.planning
+            ? "How many standard deviations an effect at its reference strength would move the measurements, "
+              "with all taken out that a recalibration would absorb."
+            : "Bars: how well each effect, at its best place and form, explains what the calibrated model "
+              "leaves, in standard deviations; beyond chance if it is so in a place looked at from the start, "
+              "as places picked by a closer look are better by chance, too. First the finalists by their weight, "
+              "which is that of simulations at the strength and parameters that fit best: those may lie far "
+              "from the calibrated model, where the bar cannot show it.";
     return f;
 }
 

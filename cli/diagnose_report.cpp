@@ -57,7 +57,8 @@ void print_answers(std::ostream& out, const DiagnoseStudy& study) {
             out << "  " << variant_name(e.variant) << ": " << strength_text(e) << "\n";
         if (const auto share = removable_gap_closed(study, a))
             out << (*share > 0.0 ? "  closes " : "  widens by ")
-                << short_number(100.0 * std::min(1.0, std::abs(*share))) << " % of the removable held-out gap\n";
+                << short_number(100.0 * std::min(1.0, *share) * (*share > 0.0 ? 1.0 : -1.0))
+                << " % of the removable held-out gap\n";
     }
     const std::vector<ScreenChange> changes = changes_at_screens(study);
     if (changes.empty()) return;
@@ -79,7 +80,9 @@ void print_diagnosis(std::ostream& out, const DiagnoseStudy& study) {
     for (const Finding& f : study.audit) out << "  " << f.sentence << "\n";
     if (!study.planning) out << "=> " << verdict_sentence(study) << "\n";
     const std::vector<std::string> where = where_sentences(study);
-    if (!where.empty()) out << "\nwhere the calibrated model fails (chance of any such finding below 5 %):\n";
+    if (!where.empty())
+        out << "\nwhere the calibrated model fails (chance of any such finding below "
+            << short_number(100.0 * study.settings.level) << " %):\n";
     for (const std::string& s : where) out << "  " << s << "\n";
     const std::vector<std::string> force = force_sentences(study);
     if (!force.empty()) out << "\nwhat has no name, as a force (fingerprints, after recalibration):\n";
@@ -190,7 +193,7 @@ std::string further_html(const DiagnoseStudy& study) {
 
 constexpr const char* kHow =
     R"(<p><b>z</b>: how well an effect explains what the calibrated model leaves, in standard deviations, with everything taken out that a recalibration absorbs. <b>Weight</b>: of the
-finalists and the calibrated model, from simulations at the strength and parameters that fit best. <b>p of what it leaves</b>: how often the effect's own simulations look as far off as the
+finalists, the calibrated model and something without a name, from simulations at the strength and parameters that fit best. <b>p of what it leaves</b>: how often the effect's own simulations look as far off as the
 measurements. <b>Removable gap</b>: what the held-out blocks lose beyond one more repeat of the simulation.</p>
 )";
 
@@ -208,7 +211,8 @@ std::string diagnose_html(const DiagnoseStudy& study, const std::vector<Figure>&
     const std::vector<std::string> remarks = diagnose_remarks(study), where = where_sentences(study);
     if (!remarks.empty()) html << html_list(remarks);
     if (!where.empty())
-        html << "<h2>Where the calibrated model fails</h2>\n<p>Beyond chance at 5 %, for all looks together.</p>\n"
+        html << "<h2>Where the calibrated model fails</h2>\n<p>Beyond chance at "
+             << short_number(100.0 * study.settings.level) << " %, for all looks together.</p>\n"
              << html_list(where);
     if (const std::vector<std::string> force = force_sentences(study); !force.empty())
         html << "<h2>What has no name, as a force</h2>\n<p>z of the fingerprints of forces along the motion that are "

@@ -70,6 +70,7 @@ public:
     void diagnose_test() {
         study_.baseline = calibrated("baseline", {}, {});
         if (study_.interrupted) return;
+        study_.tested_levels = study_.baseline.point.levels;
         study_.before = compared(study_.baseline, {}, study_.campaign);
         if (study_.interrupted) return;
         study_.catalogue =
@@ -165,6 +166,7 @@ public:
         for (const CalibrationParameter& p : study_.keys.problem.parameters) as_given.point.values.push_back(p.start);
         for (const CalibrationChoice& c : study_.keys.problem.choices) as_given.point.levels.push_back(c.start);
         study_.baseline = as_given;
+        study_.tested_levels = as_given.point.levels;
         study_.catalogue = make_candidates(test_.site_at(as_given.point), in_.model, in_.observed, test_.no_space());
         study_.diagnosis = scree::plan_test(problem(as_given, study_.catalogue), measured(), study_.settings,
                                             simulation(as_given, study_.catalogue), reporter());
@@ -279,6 +281,8 @@ private:
         CalibrationProblem problem = study_.keys.problem;
         for (std::size_t k = 0; k < begin.size(); ++k)
             problem.parameters[k].start = from_unit(problem.parameters[k], begin[k]);
+        for (std::size_t k = 0; !begin.empty() && k < study_.tested_levels.size(); ++k)
+            problem.choices[k].start = study_.tested_levels[k];
         std::string stage = effects.empty() ? "calibration" : "refit of";
         for (const AnsweredEffect& e : effects)
             stage.append(&e == &effects.front() ? " " : " and ").append(e.candidate->name);
@@ -363,6 +367,16 @@ private:
         campaign = std::move(of_followed);
     }
 
+    /// What an answer changes for whoever builds at a screen is asked where that stands, and not where it is said to have stood in the test.
+    bool throw_on_the_ground(AnswerFit& fit, const SiteFile& site) {
+        std::vector<Effect> acting = dosed(fit.effects, fit.model.result.best);
+        if (std::erase_if(acting, [](const Effect& e) { return e.kind == EffectKind::ScreenShift; }) == 0) return true;
+        fit.campaign = test_.run(site, static_cast<std::uint64_t>(site.settings.seed), study_.search.final_repeats,
+                                 acting, true, in_space(fit.effects) ? 1.0 : 0.0);
+        study_.interrupted = fit.campaign.interrupted;
+        return !study_.interrupted;
+    }
+
     void refit(const std::vector<EffectFinding>& findings) {
         AnswerFit fit;
         std::string name;
@@ -379,6 +393,7 @@ private:
         if (study_.interrupted) return;
         const std::size_t first = fit.model.result.parameters.size() - fit.model.strengths.size();
         const SiteFile site = test_.site_at(fit.model.point);
+        if (!throw_on_the_ground(fit, site)) return;
         std::size_t next = 0;
         for (AnsweredEffect& e : fit.effects) {
             if (!e.has_strength()) continue;
@@ -409,13 +424,6 @@ std::string Runner::journal_subject(const std::string& name) const {
     return "{\"diagnosis\":\"" + quoted + "\"}";
 }
 
-/// Those with ids, else as many as were thrown, or at least seen.
-std::size_t measured_blocks(const ObservedSite& observed) {
-    const Observations& o = observed.observations;
-    if (o.matched) return o.blocks.size();
-    return std::max(side_by_side(o, observed.op).rows(), static_cast<std::size_t>(std::max<std::int64_t>(o.thrown, 0)));
-}
-
 }  // namespace
 
 std::string AnswerFit::name() const {
@@ -433,7 +441,7 @@ std::string zone_name(std::size_t effect) {
 }
 
 CalibrationPoint DiagnoseStudy::tested_point() const {
-    CalibrationPoint point = baseline.point;
+    CalibrationPoint point{baseline.point.values, tested_levels};
     for (std::size_t k = 0; k < diagnosis.parameters.size(); ++k)
         point.values[k] = from_unit(keys.problem.parameters[k], diagnosis.parameters[k]);
     return point;
@@ -475,7 +483,7 @@ static double spread_beside(const ObservedSite& observed) {
 }
 
 static void set_test(const DiagnoseInput& input, DiagnoseStudy& study) {
-    study.blocks = measured_blocks(input.observed);
+    study.blocks = static_cast<std::size_t>(blocks_of(input.observed));
     study.screens = input.observed.op.screens;
     study.zones = input.observed.op.zones;
     study.impacts = input.observed.op.impacts;

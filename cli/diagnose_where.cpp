@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "cli/diagnose_where.hpp"
 
+#include "cli/diagnose_words.hpp"
 #include "cli/plot.hpp"
 #include "scree/inference/distance.hpp"
 
@@ -170,7 +171,7 @@ std::optional<Figure> where_along_path(const DiagnoseStudy& study, const SiteMod
         if (std::any_of(items.begin(), items.end(), [&](const Item& i) { return i.mark == mark; }))
             at.x() +=
                 draw_legend(svg, at, mark == &kStops ? LegendMark::Line : LegendMark::Dot, mark->colour, mark->name);
-    draw_legend(svg, at, LegendMark::Box, "#ececec", "95 % of chance, for all together");
+    draw_legend(svg, at, LegendMark::Box, "#ececec", chance_words(study));
     return Figure{
         "where_along.svg", "Where along the path",
         "What is left after recalibration, where it was measured, above the terrain along the axis. Bars: "

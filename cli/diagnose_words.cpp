@@ -168,7 +168,8 @@ std::string rivals(const DiagnoseStudy& study) {
     std::string text;
     std::size_t count = 0;
     for (const EffectFinding& f : d.findings)  // by weight
-        if (f.finalist && f.weight >= kWorthSaying && ++count <= study.settings.largest_group)
+        if (f.finalist && f.p > study.settings.rejected && f.weight >= kWorthSaying &&
+            ++count <= study.settings.largest_group)
             text += variant_name(study.variant_of(f)) + " (weight " + weight_text(f.weight) + "), ";
     return text + "something without a name (" + weight_text(d.weight_unnamed) + "), or chance (" +
            weight_text(d.weight_none) + ")";
@@ -184,13 +185,13 @@ std::string nearest(const DiagnoseStudy& study) {
 }
 
 std::string unknown_sentence(const DiagnoseStudy& study) {
-    const std::string p = " (p = " + p_text(study.diagnosis.test.p) + ")";
-    const std::string nameless = "UNKNOWN: something is missing" + p + " that has no name in the catalogue";
-    if (!study.demoted.empty()) return nameless + ": " + study.demoted;
+    const Diagnosis& d = study.diagnosis;
+    const std::string missing = std::string("UNKNOWN: something ") + (d.weight_none > kRatherChance ? "may be" : "is") +
+                                " missing (p = " + p_text(d.test.p) + ")";
+    if (!study.demoted.empty()) return missing + ", but it gets no name: " + study.demoted;
     if (const std::string some = rivals(study); !some.empty())
-        return std::string("UNKNOWN: something ") + (study.diagnosis.weight_none > kRatherChance ? "may be" : "is") +
-               " missing" + p + ", and these measurements do not say what: " + some;
-    return nameless + nearest(study);
+        return missing + ", and these measurements do not say what: " + some;
+    return missing + " that has no name in the catalogue" + nearest(study);
 }
 
 }  // namespace
@@ -214,6 +215,10 @@ std::string verdict_sentence(const DiagnoseStudy& study) {
                    "; check how it was measured before anything else";
     }
     return "";
+}
+
+std::string chance_words(const DiagnoseStudy& study) {
+    return short_number(100.0 * (1.0 - study.settings.level)) + " % of chance, for all together";
 }
 
 std::vector<std::string> where_sentences(const DiagnoseStudy& study) {
@@ -283,7 +288,7 @@ static std::string as_followed_remark(const std::string& model) {
 /// What a 2D model leaves out; empty where that is the answer.
 static std::string sideways_remark(const DiagnoseStudy& study) {
     for (const AnswerFit& a : study.answers)
-        if (a.in_space()) return "";
+        if (study.answer() && a.in_space()) return "";
     std::string known, beside;
     for (const EffectFinding& f : study.diagnosis.findings) {
         if (!study.variant_of(f).space) continue;
@@ -292,8 +297,9 @@ static std::string sideways_remark(const DiagnoseStudy& study) {
             beside = ", which also looks for what acts beside the third dimension";
     }
     if (study.beside > kWorthTelling)
-        known += (known.empty() ? "" : "; ") + ("the stops lie " + short_number(study.beside)) +
-                 " m to the sides of the axis, in standard deviations";
+        known += (known.empty() ? "" : "; ") +
+                 ("the stops scatter across the axis with a standard deviation of " + short_number(study.beside)) +
+                 " m";
     if (study.verdict == Verdict::None)
         return study.beside > kWorthTelling
                    ? "the model is 2D and says nothing of what blocks do sideways: model.dimension = 3 does (" + known +

@@ -15,6 +15,9 @@ std::vector<std::string> where_sentences(const DiagnoseStudy& study);
 /// What a reader must know before using the answer, a sentence each.
 std::vector<std::string> diagnose_remarks(const DiagnoseStudy& study);
 
+/// "95 % of chance, for all together": what limits in pictures are.
+std::string chance_words(const DiagnoseStudy& study);
+
 /// "ground_drag, linear, on loose waste".
 std::string variant_name(const DiagnosisVariant& v);
 /// "coefficient 0.31 1/s (95 %: 0.2 to 0.45)", and where its middle is if it acts on a stretch that was looked for.

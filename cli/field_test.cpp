@@ -11,7 +11,12 @@ namespace scree::cli {
 
 FieldTest::FieldTest(const SiteFile& site, const SiteModel& model, const ObservedSite& observed, const FreeKeys& keys,
                      int threads)
-    : site_(site), observed_(observed), keys_(keys), input_(model.campaign), space_(make_space_model(site, model)) {
+    : site_(site),
+      observed_(observed),
+      keys_(keys),
+      blocks_(blocks_of(observed)),
+      input_(model.campaign),
+      space_(make_space_model(site, model)) {
     for (CampaignInput* input : {&input_, &space_.campaign}) {
         input->threads = threads;
         input->kept_trajectories = 0;
@@ -47,8 +52,7 @@ CampaignInput FieldTest::input_for(CampaignInput input, const SiteFile& candidat
     apply_parameters(site, input);
     input.dynamics.kept_problems = 0;
     input.seed = seed;
-    const Observations& o = observed_.observations;
-    input.release.count = repeats * std::max<std::int64_t>({1, o.thrown, static_cast<std::int64_t>(o.stops.size())});
+    input.release.count = repeats * blocks_;
     match_campaign(site, observed_, input);
     shift_screens(more, observed_.op.axis, input);
     input.effects.insert(input.effects.end(), more.begin(), more.end());

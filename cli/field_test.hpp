@@ -30,6 +30,7 @@ private:
     const SiteFile& site_;
     const ObservedSite& observed_;
     const FreeKeys& keys_;
+    std::int64_t blocks_;
     CampaignInput input_;
     SpaceModel space_;
 };

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <map>
 
 namespace scree::cli {
 
@@ -17,6 +18,31 @@ struct Kind {
 constexpr std::array kKinds{Kind{Kinematic::Speed, "speeds", &ObservedSettings::speed_error},
                             Kind{Kinematic::Height, "heights", &ObservedSettings::height_error},
                             Kind{Kinematic::Spin, "spins", &ObservedSettings::spin_error}};
+
+/// What every block does at every screen of the test in a campaign.
+class Passages {
+public:
+    Passages(const CampaignResult& campaign, const ObservationOperator& op) : at_(op.screens.size()) {
+        for (const ScreenCrossing& c : campaign.crossings) {
+            const std::int32_t screen = op.screen_of[static_cast<std::size_t>(c.screen)];
+            if (screen >= 0) at_[static_cast<std::size_t>(screen)].try_emplace(c.block, kinematics_of(c));
+        }
+    }
+    /// Of this block there, else the middle of all; 1 where none passes.
+    double value(const ObservedCrossing& c, Kinematic kinematic) const {
+        const auto k = static_cast<std::size_t>(kinematic);
+        const auto& there = at_[static_cast<std::size_t>(c.screen)];
+        if (const auto own = there.find(c.block); own != there.end()) return own->second[k];
+        std::vector<double> all;
+        for (const auto& [block, values] : there) all.push_back(values[k]);
+        if (all.empty()) return 1.0;
+        std::nth_element(all.begin(), all.begin() + std::ssize(all) / 2, all.end());
+        return all[all.size() / 2];
+    }
+
+private:
+    std::vector<std::map<std::int64_t, KinematicValues>> at_;  ///< per screen, by block
+};
 
 }  // namespace
 
@@ -57,6 +83,7 @@ ObservedSite with_instruments(const ObservedSite& observed, std::span<const Furt
         passed.screen = screen;
         passed.position = c.position;
     }
+    const Passages passages(once, observed.op);
     for (const Kind& kind : kKinds) {
         const auto adds = [&](const FurtherInstrument& i) {
             return std::find(i.kinematics.begin(), i.kinematics.end(), kind.kinematic) != i.kinematics.end();
@@ -64,7 +91,7 @@ ObservedSite with_instruments(const ObservedSite& observed, std::span<const Furt
         if (std::none_of(instruments.begin(), instruments.end(), adds)) continue;
         for (ObservedCrossing& c : crossings) {
             if (observed.op.is_impact(c.screen)) continue;
-            c.value[static_cast<std::size_t>(kind.kinematic)] = 1.0;
+            c.value[static_cast<std::size_t>(kind.kinematic)] = passages.value(c, kind.kinematic);
             c.error[static_cast<std::size_t>(kind.kinematic)] = errors.*kind.error;
         }
     }
@@ -75,8 +102,9 @@ ObservedSite with_instruments(const ObservedSite& observed, std::span<const Furt
             ObservedCrossing& c = crossings.emplace_back();
             c.block = observed.observations.matched ? static_cast<std::int32_t>(i.block) : -1;
             c.screen = end;
+            const KinematicValues filmed = kinematics_of(end == start ? i.before : i.after);
             for (const Kinematic k : {Kinematic::Speed, Kinematic::Rise}) {
-                c.value[static_cast<std::size_t>(k)] = 1.0;
+                c.value[static_cast<std::size_t>(k)] = filmed[static_cast<std::size_t>(k)];
                 c.error[static_cast<std::size_t>(k)] = errors.speed_error;
             }
         }

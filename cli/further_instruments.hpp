@@ -24,7 +24,7 @@ std::vector<FurtherInstrument> further_instruments(const ObservedSite& observed)
 
 /// The test as if all of them had been measured, with the errors of [observed], wherever a block was seen; and, at screens that saw nothing, of the blocks
 /// that pass in `once`, a campaign of the test in which every block was thrown once. `observed` has the impacts of all instruments added, and `once` has
-/// kept them. The values say only that there is one.
+/// kept them. Values are those of `once`: of the same block, else the middle one there (1 where none passes).
 ObservedSite with_instruments(const ObservedSite& observed, std::span<const FurtherInstrument> instruments,
                               const CampaignResult& once, const ObservedSettings& errors);
 

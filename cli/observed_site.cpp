@@ -12,6 +12,7 @@
 #include <cmath>
 #include <iomanip>
 #include <map>
+#include <numeric>
 #include <ostream>
 #include <set>
 #include <sstream>
@@ -103,6 +104,7 @@ public:
         decide_thrown();
         sort_pools();
         set_operator();
+        order_screens();
         return std::move(result_);
     }
 
@@ -385,6 +387,34 @@ private:
         result_.axis_text = text.str();
     }
 
+    /// Along the path, which is the order that blocks come by, in whatever order they were drawn.
+    void order_screens() {
+        ObservationOperator& op = result_.op;
+        const std::vector<double> chainages = screen_chainages(model_, op.axis);
+        const std::size_t count = op.screens.size() - 2 * op.impacts;
+        std::vector<double> first(count, kInfinity);
+        for (std::size_t k = 0; k < chainages.size(); ++k) {
+            const std::vector<Vec2>& line = model_.campaign.screens[k].line;
+            double at = chainages[k];
+            if (std::isnan(at) && !line.empty()) at = op.axis.place(0.5 * (line.front() + line.back())).along;
+            double& of_name = first[static_cast<std::size_t>(op.screen_of[k])];
+            if (at < of_name) of_name = at;
+        }
+        std::vector<std::int32_t> order(count), place(op.screens.size());
+        std::iota(order.begin(), order.end(), 0);
+        std::iota(place.begin(), place.end(), 0);  // impacts stay behind
+        std::stable_sort(order.begin(), order.end(), [&](std::int32_t a, std::int32_t b) {
+            return first[static_cast<std::size_t>(a)] < first[static_cast<std::size_t>(b)];
+        });
+        const std::vector<std::string> names = op.screens;
+        for (std::size_t k = 0; k < count; ++k) {
+            op.screens[k] = names[static_cast<std::size_t>(order[k])];
+            place[static_cast<std::size_t>(order[k])] = static_cast<std::int32_t>(k);
+        }
+        for (std::int32_t& screen : op.screen_of) screen = place[static_cast<std::size_t>(screen)];
+        for (ObservedCrossing& c : result_.observations.crossings) c.screen = place[static_cast<std::size_t>(c.screen)];
+    }
+
     /// That of [profile], which 3D has to trace for this.
     Profile the_profile() const {
         const SiteProfiles traced = model_.profiles ? *model_.profiles : trace_site_profiles(site_, model_.terrain);
@@ -542,6 +572,24 @@ ObservedSite planned_test(const SiteFile& site, const SiteModel& model, const st
     if (!measured.contains("stops") && records.crossings.empty() && records.impacts.empty())
         throw InputError("nothing would be measured: --instruments needs stops or impacts, or the site [screens]");
     return Resolver(site, model, records).resolve();
+}
+
+std::vector<double> screen_chainages(const SiteModel& model, const Axis& axis) {
+    std::vector<double> at;
+    for (const Screen& screen : model.campaign.screens)
+        at.push_back(screen.line.empty() ? kNaN : axis.crossing(screen.line));
+    for (const ProfileTrack& track : model.campaign.tracks)
+        for (const ProfileTrack::Mark& mark : track.marks) {
+            double& of_screen = at[static_cast<std::size_t>(mark.screen)];
+            if (std::isnan(of_screen)) of_screen = axis.place(track.profile.place_at(mark.s)).along;
+        }
+    return at;
+}
+
+std::int64_t blocks_of(const ObservedSite& observed) {
+    const Observations& o = observed.observations;
+    if (o.matched) return std::ssize(o.blocks);
+    return std::max({std::int64_t{1}, o.thrown, static_cast<std::int64_t>(side_by_side(o, observed.op).rows())});
 }
 
 void match_campaign(const SiteFile& site, const ObservedSite& observed, CampaignInput& campaign) {

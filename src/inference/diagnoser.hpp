@@ -105,8 +105,9 @@ private:
     struct Survey {
         Eigen::VectorXd at, step;  ///< as `unknowns_of` has them; step in each of them
         Slopes slopes;
-        ResidualRows rows;           ///< of all its simulations
-        Eigen::MatrixXd covariance;  ///< of single rows
+        ResidualRows rows;                ///< of all its simulations
+        std::vector<std::int32_t> block;  ///< of the test that each of them is one of
+        Eigen::MatrixXd covariance;       ///< of single rows
         ResidualMean observed;
         Eigen::VectorXd left;  ///< what is measured less what is simulated at `at`
     };
@@ -134,7 +135,8 @@ private:
         return deviation_.size() + (fingerprint == kNoEffect ? 0 : variants_[fingerprint].on ? 3 : 1);
     }
     Eigen::VectorXd next_steps(const Survey& s, std::size_t fingerprint) const;
-    bool comparable(const ResidualMean& seen, std::size_t rows) const;
+    static bool comparable(const ResidualMean& measured, const ResidualMean& with);
+    bool simulates_enough(const ResidualMean& simulated, std::size_t rows) const;
     void judge(Hypothesis& h, const Survey& s) const;
     Eigen::VectorXd within(Eigen::VectorXd at, std::size_t fingerprint) const;
     double most_of(std::size_t fingerprint) const;
@@ -194,6 +196,7 @@ private:
     const std::function<void(const DiagnosisProgress&)>& progress_;
     std::vector<EffectDose>
         variants_;  ///< of all effects, at the reference strength; at the end places that a closer look has found
+    bool only_who_passed_ = false;      ///< rows of a pool with crossings of which nobody knows how many were thrown
     std::vector<double> place_spread_;  ///< of the middle of each of these, as the closer look has it [m]
     std::vector<double> taken_at_;      ///< strength that the fingerprint of each was last taken at [-]
     std::size_t planned_variants_ = 0;  ///< those before these: the measurements had no part in choosing them

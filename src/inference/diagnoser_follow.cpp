@@ -2,8 +2,6 @@
 // Following an effect, or none, to the parameters and strength that leave least.
 #include "inference/diagnoser.hpp"
 
-#include "scree/base/random.hpp"
-
 #include <algorithm>
 #include <cmath>
 
@@ -101,6 +99,7 @@ bool Diagnoser::survey(Survey& s, std::size_t fingerprint, std::int64_t repeats)
     const ResidualSpace space(std::move(all), measured_, problem_.blocks, settings_.residuals,
                               base_.space->residuals());
     s.rows = space.of_reference();
+    s.block = space.reference().block;
     Eigen::MatrixXd means(signs.rows(), s.rows.cols());
     const Eigen::RowVectorXd mean = mean_residual(s.rows).mean;
     for (Eigen::Index run = 0; run < signs.rows(); ++run) {  // chance is what differs within a run
@@ -236,8 +235,17 @@ Eigen::VectorXd Diagnoser::prior_of(std::size_t fingerprint) const {
 }
 
 /// Nothing left where nothing can be compared is no explanation: a simulation in which no block passes a screen says nothing of speeds there.
-bool Diagnoser::comparable(const ResidualMean& seen, std::size_t rows) const {
-    return seen.together.trace() / static_cast<double>(rows) >=
+bool Diagnoser::comparable(const ResidualMean& measured, const ResidualMean& with) {
+    return measured.together.trace() >= kComparable * with.together.trace();
+}
+
+/// The same, asked of simulated rows. Where rows are blocks they must speak of as much as the measured ones; of a pool that tells only who passed, of everything a little.
+bool Diagnoser::simulates_enough(const ResidualMean& simulated, std::size_t rows) const {
+    if (only_who_passed_)
+        return (simulated.together.diagonal().array() >= static_cast<double>(ResidualSpace::kLeastRows) ||
+                base_.observed.together.diagonal().array() == 0.0)
+            .all();
+    return simulated.together.trace() / static_cast<double>(rows) >=
            kComparable * base_.observed.together.trace() / static_cast<double>(measured_.rows());
 }
 
@@ -246,7 +254,7 @@ void Diagnoser::judge(Hypothesis& h, const Survey& s) const {
     const LocalMisfit misfit(s, prior_of(h.fingerprint));
     const Eigen::VectorXd by = misfit.best(around(s, h.fingerprint, s.step)), to = within(s.at + by, h.fingerprint);
     const Eigen::Index count = deviation_.size();
-    h.q = comparable(s.observed, measured_.rows()) ? misfit.at(by) : kInfinity;
+    h.q = comparable(s.observed, base_.observed) ? misfit.at(by) : kInfinity;
     h.parameters = to.head(count);
     h.step = s.step;
     const Eigen::VectorXd deviations = misfit.deviations();
@@ -472,17 +480,12 @@ bool Diagnoser::decide_close_race(std::vector<Hypothesis>& followed) {
 
 /// How often as many rows of the simulations themselves leave as much, with parameters, strength and place free for them, too.
 double Diagnoser::goodness_of_fit(const Survey& survey, std::size_t fingerprint, double left) const {
-    const ResidualRows& rows = survey.rows;
+    const NullRows null(survey.rows, survey.block, base_.space->residuals(), measured_);
     const ScoreTest own(survey.covariance, survey.slopes.directions,
                         prior_of(fingerprint).array().inverse().sqrt().matrix(), {});
     std::int64_t at_least = 0;
-    for (std::int64_t k = 0; k < kFitDraws; ++k) {
-        RandomStream random(settings_.seed, static_cast<std::uint64_t>(k), RandomPurpose::Resampling);
-        ResidualRows drawn(static_cast<Eigen::Index>(measured_.rows()), rows.cols());
-        for (Eigen::Index i = 0; i < drawn.rows(); ++i)
-            drawn.row(i) = rows.row(static_cast<Eigen::Index>(random.below(static_cast<std::uint64_t>(rows.rows()))));
-        if (own(mean_residual(drawn)).q >= left) ++at_least;
-    }
+    for (std::int64_t k = 0; k < kFitDraws; ++k)
+        if (own(mean_residual(null.draw(settings_.seed, static_cast<std::uint64_t>(k)))).q >= left) ++at_least;
     return static_cast<double>(at_least + 1) / static_cast<double>(kFitDraws + 1);
 }
 

@@ -132,7 +132,7 @@ bool Diagnoser::search(WideSearch& w, int generations) {
             if (!table) return false;
             const ResidualMean mean = mean_residual(base_.space->of(*table));
             const Eigen::VectorXd left = base_.observed.mean - mean.mean;
-            losses.push_back(comparable(mean, table->rows()) ? left.dot(factor.solve(left)) : kInfinity);
+            losses.push_back(simulates_enough(mean, table->rows()) ? left.dot(factor.solve(left)) : kInfinity);
             if (!(losses.back() < w.left)) continue;
             w.left = losses.back();
             w.best = u;

@@ -70,6 +70,17 @@ Diagnoser::Diagnoser(const DiagnosisProblem& problem, const ObservationTable& me
                     {e, v, 1.0, path ? std::optional(part_of(*path, k, k + 1, kStrips)) : std::nullopt});
         }
     planned_variants_ = variants_.size();
+    const auto counted = [&](bool (*is)(const Column&)) {
+        for (std::size_t k = 0; k < measured.columns.size(); ++k)
+            if (is(measured.columns[k]) && std::any_of(measured.values[k].begin(), measured.values[k].end(),
+                                                       [](double v) { return std::isfinite(v); }))
+                return true;
+        return false;
+    };
+    only_who_passed_ = problem.blocks.empty() && counted([](const Column& c) {
+                           return c.place >= 0 && c.quantity != Quantity::InZone && c.quantity != Quantity::Passed;
+                       }) &&
+                       !counted([](const Column& c) { return c.quantity == Quantity::Passed; });
     planned_ = kRecentrings + of_base() + settings.finalists * of_finalist();
 }
 
@@ -163,10 +174,10 @@ bool Diagnoser::recentre() {
         const ResidualMean observed = base_.observed;
         const Slopes slopes = base_.slopes;
         base_.parameters = within_ranges(base_.parameters + score.shift);
-        if (!build_space()) return false;
+        if (!build_space(kept->residuals())) return false;
         take_slopes();
         const ScoreTest moved(row_covariance(*base_.space), base_.slopes.directions, deviation_, {});
-        if (moved(base_.observed).q < score.q) continue;
+        if (comparable(base_.observed, observed) && moved(base_.observed).q < score.q) continue;
         base_.parameters = before;
         base_.space.swap(kept);
         base_.observed = observed;
@@ -256,7 +267,7 @@ std::vector<EffectFinding> Diagnoser::findings(const ScoreResult& score, double 
     for (std::size_t e = 0; e < problem_.effects.size(); ++e) {
         EffectFinding f;
         f.effect = e;
-        double seen = kInfinity;
+        f.smallest_seen = kInfinity;
         Eigen::Index at = -1;
         for (std::size_t k = 0; k < variants_.size(); ++k) {
             if (variants_[k].effect != e) continue;
@@ -271,10 +282,9 @@ std::vector<EffectFinding> Diagnoser::findings(const ScoreResult& score, double 
             };
             if (at < 0 || better(i, at)) at = i;
             if (k >= planned_variants_) continue;
+            f.beyond_chance = f.beyond_chance || score.z[i] > z_limit;
             const double strength = (z_limit + kFourOfFive) / std::max(score.expected[i], 1e-9);
-            const double most = problem_.effects[e].variants[variants_[k].variant].most;
-            if (strength <= most && strength / most < seen) {  // in shares of what is allowed
-                seen = strength / most;
+            if (strength <= most_of(k) && strength < f.smallest_seen) {
                 f.smallest_seen = strength;
                 f.seen_variant = variants_[k].variant;
                 f.seen_on = variants_[k].on;
@@ -286,7 +296,6 @@ std::vector<EffectFinding> Diagnoser::findings(const ScoreResult& score, double 
         f.visible = visible(static_cast<std::size_t>(at), score);
         f.z = score.z[at];
         f.visibility = score.visibility[at];
-        if (std::isinf(seen)) f.smallest_seen = kInfinity;
         all.push_back(f);
     }
     return all;
@@ -441,18 +450,20 @@ void Diagnoser::weigh(Diagnosis& d, std::vector<Hypothesis>& followed) const {
         followed.erase(here);
     }
     for (const Hypothesis& h : followed) log_weight.push_back(log_of(h));
-    const Hypothesis& best = followed.front();
-    const double z = d.score.z[static_cast<Eigen::Index>(best.fingerprint)];
-    const double without = std::min(d.score.q, left_without_);
-    const double gain =
-        best.from_given ? std::max(without - best.q, 0.0) : std::max(z > 0.0 ? z * z : 0.0, without - best.q - kQNoise);
-    const double log_none = log_weight.front() - 0.5 * gain - price(best) + std::log(settings_.prior_none);
-    const double left = best.q + gain,
-                 free = std::max(
-                     static_cast<double>(d.score.standardised.size()) - static_cast<double>(deviation_.size()), 1.0);
+    double left = std::min(d.score.q, left_without_);  // without any effect
+    if (!followed.empty()) {
+        const Hypothesis& best = followed.front();
+        const double z = d.score.z[static_cast<Eigen::Index>(best.fingerprint)];
+        left = best.q + (best.from_given ? std::max(left - best.q, 0.0)
+                                         : std::max(z > 0.0 ? z * z : 0.0, left - best.q - kQNoise));
+    }
+    const double log_none = -0.5 * left + std::log(settings_.prior_none);
+    const double free =
+        std::max(static_cast<double>(d.score.standardised.size()) - static_cast<double>(deviation_.size()), 1.0);
     const double log_unnamed = -0.5 * std::min(left, free * (1.0 + std::log(std::max(left / free, 1.0)))) +
                                std::log((1.0 - settings_.prior_none) * settings_.prior_unnamed);
-    const double most = std::max({log_weight.front(), log_none, log_unnamed});
+    double most = std::max(log_none, log_unnamed);
+    if (!followed.empty()) most = std::max(most, log_weight.front());
     double sum = std::exp(log_none - most) + std::exp(log_unnamed - most);
     for (const double w : log_weight) sum += std::exp(w - most);
     d.weight_none = std::exp(log_none - most) / sum;
@@ -480,7 +491,7 @@ void Diagnoser::weigh(Diagnosis& d, std::vector<Hypothesis>& followed) const {
 
 /// The name, the group or neither.
 void Diagnoser::conclude(Diagnosis& d, std::vector<Hypothesis>& followed) const {
-    if (!followed.empty()) weigh(d, followed);
+    weigh(d, followed);
     sort(d.findings);
     d.verdict = Verdict::Unknown;
     d.answer.clear();
@@ -488,11 +499,11 @@ void Diagnoser::conclude(Diagnosis& d, std::vector<Hypothesis>& followed) const 
     double reached = 0.0;
     for (const EffectFinding& f : d.findings) {
         if (!f.finalist || reached >= settings_.group) break;
+        if (f.p <= settings_.rejected) continue;  // no explanation, whatever its weight
         answer.push_back(f);
         reached += f.weight;
     }
     if (answer.empty() || reached < settings_.group || answer.size() > settings_.largest_group) return;
-    if (answer.front().p <= settings_.rejected) return;
     if (answer.front().weight >= settings_.named) answer.resize(1);
     const bool of_data = std::all_of(answer.begin(), answer.end(),
                                      [&](const EffectFinding& f) { return problem_.effects[f.effect].measurement; });

@@ -192,14 +192,6 @@ private:
 
 constexpr auto kRise = static_cast<std::size_t>(Kinematic::Rise);
 
-KinematicValues kinematics_of(const ScreenCrossing& c) {
-    return {c.measured_speed, c.height, c.spin, c.energy, c.velocity.z()};
-}
-
-KinematicValues kinematics_of(const FilmedImpact::End& end) {
-    return {end.velocity.norm(), kNaN, end.spin, kNaN, end.velocity.z()};
-}
-
 /// Adds normal errors to what the screen would have seen, but for the rise. Speeds and the like stay positive; the numbers drawn do not depend on the values.
 KinematicValues seen_at_screen(const KinematicValues& exact, const ErrorModel& errors, std::int32_t block,
                                std::size_t screen, RandomStream& random) {
@@ -277,6 +269,14 @@ ObservationTable measured_table(const Observations& observations, const Observat
         write.kinematics(c.screen, c.value);
     }
     return table;
+}
+
+KinematicValues kinematics_of(const ScreenCrossing& c) {
+    return {c.measured_speed, c.height, c.spin, c.energy, c.velocity.z()};
+}
+
+KinematicValues kinematics_of(const FilmedImpact::End& end) {
+    return {end.velocity.norm(), kNaN, end.spin, kNaN, end.velocity.z()};
 }
 
 ObservationTable side_by_side(const ObservationTable& measured, std::int64_t thrown,

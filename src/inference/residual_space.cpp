@@ -93,12 +93,9 @@ ResidualSpace::ResidualSpace(ObservationTable reference, const ObservationTable&
     order_ = standardised(order);
     const std::int32_t last =
         reference_.block.empty() ? -1 : *std::max_element(reference_.block.begin(), reference_.block.end());
-    rows_of_stratum_.resize(static_cast<std::size_t>(last + 2));
-    for (std::size_t row = 0; row < reference_.rows(); ++row)
-        rows_of_stratum_[stratum(reference_.block[row])].push_back(static_cast<std::uint32_t>(row));
     sorted_.resize(reference_.columns.size());
     for (std::size_t k = 0; k < sorted_.size(); ++k) {
-        sorted_[k].resize(rows_of_stratum_.size());
+        sorted_[k].resize(static_cast<std::size_t>(last + 2));
         for (std::size_t row = 0; row < reference_.rows(); ++row) {
             const double v = reference_.values[k][row];
             if (!std::isfinite(v)) continue;

@@ -9,6 +9,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 namespace scree {
 
@@ -128,16 +129,18 @@ double ScoreTest::largest_z(const ScoreResult& result) const {
     return largest;
 }
 
-NullRows::NullRows(const ResidualSpace& space, const ObservationTable& measured) : space_(space) {
-    const ObservationTable& reference = space.reference();
-    std::vector<std::vector<std::uint32_t>> of_block;
-    std::vector<std::uint32_t> all(reference.rows());
-    for (std::size_t row = 0; row < reference.rows(); ++row) {
-        all[row] = static_cast<std::uint32_t>(row);
-        const auto b = static_cast<std::size_t>(reference.block[row] + 1);
-        if (of_block.size() <= b) of_block.resize(b + 1);
-        of_block[b].push_back(static_cast<std::uint32_t>(row));
+NullRows::NullRows(const ResidualRows& own, std::span<const std::int32_t> block, std::span<const Residual> residuals,
+                   const ObservationTable& measured)
+    : own_(own) {
+    std::vector<std::uint32_t> all(block.size());
+    std::iota(all.begin(), all.end(), std::uint32_t{0});
+    for (const std::uint32_t row : all) {
+        if (block[row] < 0) continue;
+        const auto b = static_cast<std::size_t>(block[row]);
+        if (rows_of_.size() <= b) rows_of_.resize(b + 1);
+        rows_of_[b].push_back(row);
     }
+    rows_of_.push_back(std::move(all));
     auto unmeasured = [&](std::size_t row, const Column& c) {
         const std::size_t k = measured.find(c);
         if (k == measured.columns.size()) return true;
@@ -148,10 +151,10 @@ NullRows::NullRows(const ResidualSpace& space, const ObservationTable& measured)
         return !known_not_to_pass;
     };
     for (std::size_t row = 0; row < measured.rows(); ++row) {
-        const auto b = static_cast<std::size_t>(measured.block[row] + 1);
-        rows_of_.push_back(b < of_block.size() && !of_block[b].empty() && measured.block[row] >= 0 ? of_block[b] : all);
+        const auto b = static_cast<std::size_t>(measured.block[row]);  // -1 lies beyond all
+        from_.push_back(b < rows_of_.size() - 1 && !rows_of_[b].empty() ? b : rows_of_.size() - 1);
         std::vector<char> hidden;
-        for (const Residual& r : space.residuals())
+        for (const Residual& r : residuals)
             hidden.push_back(
                 unmeasured(row, r.column) ||
                 ((r.kind == ResidualKind::Together || r.kind == ResidualKind::Innovation) && unmeasured(row, r.other)));
@@ -161,11 +164,11 @@ NullRows::NullRows(const ResidualSpace& space, const ObservationTable& measured)
 
 ResidualRows NullRows::draw(std::uint64_t seed, std::uint64_t number) const {
     RandomStream random(seed, number, RandomPurpose::Resampling);
-    const ResidualRows& own = space_.of_reference();
-    ResidualRows rows(static_cast<Eigen::Index>(rows_of_.size()), own.cols());
-    for (std::size_t row = 0; row < rows_of_.size(); ++row) {
+    ResidualRows rows(static_cast<Eigen::Index>(from_.size()), own_.cols());
+    for (std::size_t row = 0; row < from_.size(); ++row) {
         const auto i = static_cast<Eigen::Index>(row);
-        rows.row(i) = own.row(static_cast<Eigen::Index>(rows_of_[row][random.below(rows_of_[row].size())]));
+        const std::vector<std::uint32_t>& among = rows_of_[from_[row]];
+        rows.row(i) = own_.row(static_cast<Eigen::Index>(among[random.below(among.size())]));
         for (std::size_t k = 0; k < unmeasured_[row].size(); ++k)
             if (unmeasured_[row][k]) rows(i, static_cast<Eigen::Index>(k)) = kNaN;
     }
@@ -211,7 +214,7 @@ GlobalTest global_test(const ScoreTest& test, const ScoreResult& measured, const
         return sorted.empty() ? kNaN
                               : sorted[std::min(sorted.size() - 1, static_cast<std::size_t>(std::max(share, 0.0) * n))];
     };
-    g.z_limit = at(sorted_z, 1.0 - at(smaller, level));
+    g.z_limit = any ? at(sorted_z, 1.0 - at(smaller, level)) : kInfinity;
     g.residual_limit = at(largest, 1.0 - level);
     g.residual_p.resize(measured.standardised.size());
     for (Eigen::Index k = 0; k < g.residual_p.size(); ++k)

@@ -74,7 +74,7 @@ TEST(DiagnoseWords, ANameThatWasTakenBack) {
     DiagnoseStudy study = unknown({0.99}, 0.3);
     study.demoted = "the blocks held out are predicted no better with ground_drag than without";
     EXPECT_EQ(verdict_sentence(study),
-              "UNKNOWN: something is missing (p = 0.002) that has no name in the catalogue: the blocks held out are "
+              "UNKNOWN: something is missing (p = 0.002), but it gets no name: the blocks held out are "
               "predicted no better with ground_drag than without");
 }
 
@@ -100,8 +100,11 @@ TEST(DiagnoseWords, AStrengthAndWhereItActs) {
 }
 
 TEST(DiagnoseWords, NothingComesNear) {
-    EXPECT_EQ(verdict_sentence(unknown({}, 1.0)),
-              "UNKNOWN: something is missing (p = 0.002) that has no name in the catalogue");
+    DiagnoseStudy study = unknown({}, 1.0);
+    EXPECT_EQ(verdict_sentence(study),
+              "UNKNOWN: something may be missing (p = 0.002) that has no name in the catalogue");
+    study.diagnosis.weight_none = 0.04;
+    EXPECT_EQ(verdict_sentence(study), "UNKNOWN: something is missing (p = 0.002) that has no name in the catalogue");
 }
 
 }  // namespace

@@ -151,6 +151,46 @@ ObservationTable pool_of(const ObservationTable& t) {
     return pool;
 }
 
+// Crossings alone, of which nobody knows how many blocks were thrown.
+TEST(Diagnosis, APoolOfCrossingsAloneIsRejectedByWhatIsHiddenAndHardlyByChance) {
+    const auto blocks = blocks_of_test();
+    DiagnosisProblem problem = problem_for(blocks, all_effects());
+    problem.blocks.clear();
+    const auto crossings_of = [](ObservationTable t) {
+        for (const Column& c :
+             {Column{Quantity::Along, -1}, Column{Quantity::Passed, 0}, Column{Quantity::Passed, 1}}) {
+            const auto k = static_cast<std::ptrdiff_t>(t.find(c));
+            t.columns.erase(t.columns.begin() + k);
+            t.values.erase(t.values.begin() + k);
+        }
+        std::fill(t.block.begin(), t.block.end(), -1);
+        return t;
+    };
+    const auto diagnosed = [&](std::uint64_t k, std::vector<EffectDose> hidden) {
+        return diagnose(problem, side_by_side(crossings_of(measured(blocks, k, std::move(hidden))), 0), quick(k),
+                        [&](const DiagnosisTask& t) { return std::optional(crossings_of(throw_blocks(blocks, t))); },
+                        {});
+    };
+    constexpr int kCases = 20;
+    int rejected = 0, detected = 0;
+    for (std::uint64_t k = 0; k < kCases; ++k) rejected += diagnosed(k, {}).verdict != Verdict::None;
+    for (std::uint64_t k = 0; k < 4; ++k) detected += diagnosed(k, {{kSpeedCap, 0, 2.5}}).verdict != Verdict::None;
+    EXPECT_LE(rejected, 4);  // of 20 with 5 %: 5 and more in one case of 400
+    EXPECT_GE(detected, 2);
+}
+
+// With nothing to look for there is the model, and something that has no name.
+TEST(Diagnosis, WithoutCandidatesWhatIsMissingHasNoName) {
+    const auto blocks = blocks_of_test();
+    const DiagnosisProblem problem = problem_for(blocks, {});
+    const Diagnosis d = diagnose(problem, measured(blocks, 7, {{kMassTrend, 0, 5.0}}), quick(7),
+                                 [&](const DiagnosisTask& t) { return std::optional(throw_blocks(blocks, t)); }, {});
+    EXPECT_EQ(d.verdict, Verdict::Unknown);
+    EXPECT_TRUE(std::isinf(d.test.z_limit));
+    EXPECT_GT(d.weight_unnamed, d.weight_none);
+    EXPECT_NEAR(d.weight_unnamed + d.weight_none, 1.0, 1e-12);
+}
+
 /// With records taken one by one the shares that pass would be 1, and what goes together in a block would count twice.
 TEST(Diagnosis, FindsNothingInAPoolWhereNothingIsHidden) {
     const auto blocks = blocks_of_test();
@@ -272,7 +312,10 @@ TEST(Diagnosis, GroupsWhatLooksAlike) {
         if (d.verdict != Verdict::Group) continue;
         ++grouped;
         std::set<std::size_t> members;
-        for (const EffectFinding& f : d.answer) members.insert(f.effect);
+        for (const EffectFinding& f : d.answer) {
+            members.insert(f.effect);
+            EXPECT_GT(f.p, quick(k).rejected);
+        }
         EXPECT_TRUE(members.count(kMassTrend) && members.count(kTwin));
     }
     EXPECT_GE(grouped, 3);
@@ -318,21 +361,23 @@ TEST(Diagnosis, FindsWhereAnEffectActs) {
     effects.push_back({"held back", false, {{"", 12.0, Stretch{0.0, 90.0}}}});
     const DiagnosisProblem problem = problem_for(blocks, effects);
     const Stretch hidden{39.5, 43.5};  // the strips of the first look end at 30, 45 and 60 m
-    int right = 0, near = 0, covered = 0;
+    int best = 0, wrong = 0, near = 0, covered = 0;
     for (std::uint64_t k = 0; k < 20; ++k) {
         const ObservationTable table = measured(blocks, 700 + k, {{kHeldBack, 0, 7.0, hidden}});
         const Diagnosis d = diagnosis_of(blocks, problem, table, k);
-        if (d.verdict != Verdict::Named || d.answer.size() != 1 || d.answer.front().effect != kHeldBack) continue;
-        ++right;
-        const EffectFinding& f = d.answer.front();
+        wrong += d.verdict == Verdict::Named && d.answer.front().effect != kHeldBack;
+        const EffectFinding& f = d.findings.front();
+        if (d.verdict == Verdict::None || !f.finalist || f.effect != kHeldBack) continue;
+        ++best;
         ASSERT_TRUE(f.on);
         const double error = std::abs(f.on->middle() - hidden.middle());
         near += error < 2.5;
         covered += error < 1.96 * f.middle_deviation;
     }
-    EXPECT_GE(right, 6);
-    EXPECT_GE(2 * near, right);
-    EXPECT_GE(covered, right - 2);  // 95 %
+    EXPECT_GE(best, 14);  // 9 of 10 in the mean: 13 or fewer in one case of 80
+    EXPECT_LE(wrong, 1);
+    EXPECT_GE(2 * near, best);     // 7 of 10
+    EXPECT_GE(covered, best - 3);  // 95 %
 }
 
 TEST(Diagnosis, DISABLED_StatisticsOfPlaces) {

@@ -104,8 +104,10 @@ struct EffectFinding {
     double visibility = kNaN;             ///< z to expect at the reference strength [-]
     double smallest_seen =
         kNaN;  ///< strength that would be seen with a probability of 80 %; infinite if none of those allowed [-]
-    std::size_t seen_variant = 0;    ///< the variant that this strength is of
+    std::size_t seen_variant = 0;    ///< the variant that is seen at the smallest strength, which this is
     std::optional<Stretch> seen_on;  ///< and where
+    bool beyond_chance =
+        false;  ///< z of a variant is beyond the limit of the test; of places, of one of those that were looked at from the start
     // of finalists
     bool finalist = false;
     double strength = kNaN;                   ///< that explains most [-]

@@ -51,6 +51,10 @@ struct ObservedCrossing {
     KinematicValues error{};                              ///< standard deviations [*]
 };
 
+/// What would be recorded of a crossing, or of one end of an impact, without any error.
+KinematicValues kinematics_of(const ScreenCrossing& crossing);
+KinematicValues kinematics_of(const FilmedImpact::End& end);
+
 /// How many blocks stopped in a deposit zone, counted without coordinates.
 struct ObservedShare {
     std::int64_t row = 0;

@@ -96,10 +96,9 @@ private:
 
     ObservationTable reference_;
     ResidualSettings settings_;
-    bool known_;                                               ///< which records are of one block
-    std::vector<std::vector<std::vector<double>>> sorted_;     ///< per column and stratum, ascending [*]
-    std::vector<std::vector<std::uint32_t>> rows_of_stratum_;  ///< of the reference
-    std::vector<double> log_mass_, log_shape_, order_;         ///< per block of the test, standardised [-]
+    bool known_;                                            ///< which records are of one block
+    std::vector<std::vector<std::vector<double>>> sorted_;  ///< per column and stratum, ascending [*]
+    std::vector<double> log_mass_, log_shape_, order_;      ///< per block of the test, standardised [-]
     std::vector<ByState> states_;
     std::vector<Residual> residuals_;
     Eigen::VectorXd mean_;  ///< of the raw residuals of the reference

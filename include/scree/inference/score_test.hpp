@@ -87,14 +87,20 @@ private:
 /// Rows of the reference put in the place of the measured ones, as often as asked: what chance gives if nothing is missing.
 class NullRows {
 public:
-    /// `own` are the reference's residuals; `measured` says which block each row is of and what was not measured at all of a block that was there.
-    NullRows(const ResidualSpace& space, const ObservationTable& measured);
+    /// `own` are simulated rows of these residuals, and `block` says of which blocks; `measured` says which block each row is of and what was not measured at
+    /// all of a block that was there. Keeps a reference to `own`.
+    NullRows(const ResidualRows& own, std::span<const std::int32_t> block, std::span<const Residual> residuals,
+             const ObservationTable& measured);
+    /// Those of the reference.
+    NullRows(const ResidualSpace& space, const ObservationTable& measured)
+        : NullRows(space.of_reference(), space.reference().block, space.residuals(), measured) {}
     /// Same draw, same rows.
     ResidualRows draw(std::uint64_t seed, std::uint64_t number) const;
 
 private:
-    const ResidualSpace& space_;
-    std::vector<std::vector<std::uint32_t>> rows_of_;  ///< of the reference, per measured row
+    const ResidualRows& own_;
+    std::vector<std::vector<std::uint32_t>> rows_of_;  ///< simulated ones per block, and behind them all
+    std::vector<std::size_t> from_;                    ///< per measured row: which of these it is drawn from
     std::vector<std::vector<char>> unmeasured_;        ///< per measured row and residual
 };
 
@@ -103,7 +109,7 @@ struct GlobalTest {
     double p = 1.0;         ///< of the smaller of the two below, with the price of looking twice [-]
     double p_q = 1.0;       ///< of Q: any disagreement [-]
     double p_z = 1.0;       ///< of the largest z: one that an effect explains [-]
-    double z_limit = kNaN;  ///< largest z that rejects at `level` whatever Q is [-]
+    double z_limit = kNaN;  ///< largest z that rejects at `level` whatever Q is; infinite if nothing is judged [-]
     Eigen::VectorXd
         residual_p;  ///< of each standardised residual, corrected for the number of them (max-T: Westfall & Young 1993) [-]
     double residual_limit = kNaN;  ///< largest standardised residual that chance exceeds in `level` of the cases [-]

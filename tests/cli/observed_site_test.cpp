@@ -1,0 +1,71 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Measurements as the library is told of them, and the test that a simulation repeats.
+#include "cli/observed_site.hpp"
+
+#include "cli/field_test.hpp"
+#include "cli/program.hpp"
+#include "cli/site_file.hpp"
+#include "cli/site_model.hpp"
+#include "support/paths.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <regex>
+
+namespace scree::cli {
+namespace {
+
+namespace fs = std::filesystem;
+using testing::ElementsAre;
+
+fs::path riddle() {
+    return test::quarry_a().parent_path() / "quarry_riddle";
+}
+
+std::string crossings_of_riddle() {
+    return test::text_of(riddle() / "observed" / "screen_crossings.csv");
+}
+
+// Without numbers of blocks, stops and how many were thrown, the screen that saw most says how large the test was.
+TEST(ObservedSite, APoolOfCrossingsIsThrownAsOftenAsItTells) {
+    const test::TempDir folder;
+    test::put(folder / "screen_crossings.csv",
+              std::regex_replace(crossings_of_riddle(), std::regex("(screen|ES[12]-A),[^,]*,"), "$1,"));
+    const SiteFile site = read_site_file(riddle() / "site.toml", {});
+    const SiteModel model = load_site(site);
+    const ObservedSite observed = load_observed(site, model, folder.path().string());
+    ASSERT_FALSE(observed.observations.matched);
+    ASSERT_EQ(observed.observations.thrown, 0);
+    const auto& crossings = observed.observations.crossings;
+    const auto at = [&](std::int32_t screen) {
+        return std::count_if(crossings.begin(), crossings.end(),
+                             [&](const ObservedCrossing& c) { return c.screen == screen; });
+    };
+    EXPECT_EQ(blocks_of(observed), std::max(at(0), at(1)));
+    const FreeKeys keys = read_free_keys(site, {"soil.loose waste.rolling=0.02:0.08"});
+    const CampaignResult twice = FieldTest(site, model, observed, keys, 1).run(site, 1, 2);
+    EXPECT_EQ(std::ssize(twice.blocks), 2 * blocks_of(observed));
+}
+
+// Innovations go from screen to screen: the order is that of the path, whatever that of the layer.
+TEST(ObservedSite, ScreensComeInTheOrderOfThePath) {
+    const auto observed_with = [](const std::string& chainages) {
+        const SiteFile site =
+            read_site_file(riddle() / "site.toml", {"screens.file=", "screens.chainages=" + chainages});
+        return load_observed(site, load_site(site), (riddle() / "observed").string());
+    };
+    const ObservedSite down = observed_with("ES1-A = 39.5, ES2-A = 48.5"),
+                       up = observed_with("ES2-A = 48.5, ES1-A = 39.5");
+    EXPECT_THAT(down.op.screens, ElementsAre("ES1-A", "ES2-A"));
+    EXPECT_THAT(down.op.screen_of, ElementsAre(0, 1));
+    EXPECT_THAT(up.op.screens, ElementsAre("ES1-A", "ES2-A"));
+    EXPECT_THAT(up.op.screen_of, ElementsAre(1, 0));
+    ASSERT_EQ(up.observations.crossings.size(), down.observations.crossings.size());
+    for (std::size_t k = 0; k < up.observations.crossings.size(); ++k)
+        EXPECT_EQ(up.observations.crossings[k].screen, down.observations.crossings[k].screen);
+}
+
+}  // namespace
+}  // namespace scree::cli
