@@ -37,9 +37,12 @@ public:
         });
     }
 
-    /// True if the centre of mass of a block of this radius [m] has stayed in place for long at this time [s].
+    /// True if the centre of mass of a block of this radius [m] has stayed in place for long at this time [s]. Asked after every step in contact: who has flown
+    /// since has not stayed.
     bool in_place_for_long(const Vec& position, double radius, double time) {
-        if ((position - place_).norm() > kPlaceShare * radius) {
+        const bool flown = time - asked_ > kFlown;
+        asked_ = time;
+        if (flown || (position - place_).norm() > kPlaceShare * radius) {
             place_ = position;
             in_place_since_ = time;
             return false;
@@ -55,10 +58,12 @@ public:
 
 private:
     static constexpr double kPlaceShare = 0.05;  ///< of the radius: a centre of mass that moves less stays in place [-]
+    static constexpr double kFlown = 0.5;        ///< without contact for so long is a flight and not a tremble [s]
     static constexpr double kPlaceTime = 5.0;    ///< in place for so long is rest, whatever still turns [s]
 
     Vec place_ = Vec::Constant(kInfinity);  ///< where the centre of mass has stayed of late [m]
     double in_place_since_ = 0.0;           ///< [s]
+    double asked_ = 0.0;                    ///< when that was last asked [s]
     double still_ = 0.0;                    ///< time in equilibrium [s]
 };
 

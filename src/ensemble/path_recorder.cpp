@@ -65,7 +65,7 @@ void PathRecorder<Dim>::raise_cell(std::size_t cell, const MotionSegment<Dim>& m
     };
     raise(CellQuantity::KineticEnergy, std::max(energy_at(m, from), energy_at(m, to)));
     raise(CellQuantity::Speed, std::max(velocity_at(m, from).norm(), velocity_at(m, to).norm()));
-    raise(CellQuantity::Spin, std::max(m.spin_start, m.spin_end));
+    raise(CellQuantity::Spin, m.spin_most);
     raise(CellQuantity::PassingHeight, largest_height(m, from, to));
 }
 
@@ -109,21 +109,27 @@ void PathRecorder<Dim>::add_crossings(std::vector<Passed>& passed, const MotionS
 }
 
 template <int Dim>
+void PathRecorder<Dim>::keep_point(const MotionSegment<Dim>& m, double share) {
+    line_.points.push_back(on_map(position_at(m, share)));
+    line_.times.push_back(m.start + share * m.duration);
+    line_.speeds.push_back(velocity_at(m, share).norm());
+    if constexpr (Dim == 2) line_.chainages.push_back(position_at(m, share).x());
+}
+
+template <int Dim>
 void PathRecorder<Dim>::keep_line(const MotionSegment<Dim>& m) {
-    auto keep = [&](double s) {
-        line_.points.push_back(on_map(position_at(m, s)));
-        line_.times.push_back(m.start + s * m.duration);
-        line_.speeds.push_back(velocity_at(m, s).norm());
-        if constexpr (Dim == 2) line_.chainages.push_back(position_at(m, s).x());
-    };
-    if (line_.points.empty()) keep(0.0);
+    if (line_.points.empty()) keep_point(m, 0.0);
+    beyond_line_.reset();
     if (m.in_contact) {
-        if ((on_map(position_at(m, 1.0)) - line_.points.back()).norm() >= kLineDistance) keep(1.0);
+        if ((on_map(position_at(m, 1.0)) - line_.points.back()).norm() >= kLineDistance)
+            keep_point(m, 1.0);
+        else
+            beyond_line_ = m;
         return;
     }
-    keep(0.0);
+    keep_point(m, 0.0);
     const int parts = std::max(1, static_cast<int>(std::ceil(m.duration / kLineTime)));
-    for (int k = 1; k <= parts; ++k) keep(static_cast<double>(k) / parts);
+    for (int k = 1; k <= parts; ++k) keep_point(m, static_cast<double>(k) / parts);
 }
 
 template class PathRecorder<2>;

@@ -6,6 +6,7 @@
 
 #include "scree/ensemble/campaign.hpp"
 
+#include <optional>
 #include <unordered_map>
 #include <vector>
 
@@ -21,7 +22,10 @@ public:
 
     void segment(const MotionSegment<Dim>& motion) override;
     /// The trajectory has ended.
-    void finish() { span_speed_.finish(crossings_); }
+    void finish() {
+        span_speed_.finish(crossings_);
+        if (beyond_line_) keep_point(*beyond_line_, 1.0);  // where the block stopped
+    }
 
     const std::unordered_map<std::size_t, CellValues>& cells() const { return cells_; }
     const std::vector<ScreenCrossing>& crossings() const { return crossings_; }
@@ -60,6 +64,7 @@ private:
     FilmedImpact::End impact_end(const MotionSegment<Dim>& m, double share) const;
     void add_crossing(std::size_t screen, const MotionSegment<Dim>& m, double share);
     void keep_line(const MotionSegment<Dim>& m);
+    void keep_point(const MotionSegment<Dim>& m, double share);
 
     std::int64_t block_;
     BlockResult& result_;
@@ -74,6 +79,7 @@ private:
     std::vector<typename SpanSpeed<Dim>::Fresh> fresh_;  ///< crossings in the segment at hand
     bool keep_ = false;
     KeptTrajectory line_;
+    std::optional<MotionSegment<Dim>> beyond_line_;  ///< the last one, if the line ends before it
 };
 
 /// On the map: cells of the result grid, screens as lines in plan.

@@ -59,7 +59,9 @@ ReleaseArea::ReleaseArea(const FeatureLayer& layer, const Surface& surface, Rele
     for (Source& source : sources_) {
         int hits = 0;
         for (int k = 0; k < kTrials; ++k) hits += surface_.facet_at(draw_from(source, random)) >= 0 ? 1 : 0;
-        if (hits == 0) source.weight = 0.0;  // lies off the terrain altogether
+        if (hits == 0 &&
+            !(std::get_if<Region>(&source.place) && !starts_in(std::get<Region>(source.place), cells).empty()))
+            source.weight = 0.0;  // lies off it altogether
         inside += hits;
         total_weight_ += source.weight;
     }
@@ -71,21 +73,22 @@ ReleaseArea::ReleaseArea(const FeatureLayer& layer, const Surface& surface, Rele
     if (pattern == ReleasePattern::Cells) find_cells(cells);
 }
 
-void ReleaseArea::find_cells(const GridShape& cells) {
-    for (const Source& source : sources_) {
-        const auto* region = std::get_if<Region>(&source.place);
-        if (!region) continue;
-        const Box2 box = region->bounds();
-        for (int j = std::max(0, cells.row_of(box.min.y())); j <= std::min(cells.rows - 1, cells.row_of(box.max.y()));
-             ++j) {
-            for (int i = std::max(0, cells.column_of(box.min.x()));
-                 i <= std::min(cells.columns - 1, cells.column_of(box.max.x())); ++i) {
-                const Vec2 centre = cells.centre(i, j);
-                if (region->contains(centre) && surface_.facet_at(centre) >= 0)
-                    cells_.emplace_back(centre, source.feature);
-            }
+std::vector<Vec2> ReleaseArea::starts_in(const Region& region, const GridShape& cells) const {
+    std::vector<Vec2> centres;
+    const Box2 box = region.bounds();
+    for (int j = std::max(0, cells.row_of(box.min.y())); j <= std::min(cells.rows - 1, cells.row_of(box.max.y())); ++j)
+        for (int i = std::max(0, cells.column_of(box.min.x()));
+             i <= std::min(cells.columns - 1, cells.column_of(box.max.x())); ++i) {
+            const Vec2 centre = cells.centre(i, j);
+            if (region.contains(centre) && surface_.facet_at(centre) >= 0) centres.push_back(centre);
         }
-    }
+    return centres;
+}
+
+void ReleaseArea::find_cells(const GridShape& cells) {
+    for (const Source& source : sources_)
+        if (const auto* region = std::get_if<Region>(&source.place))
+            for (const Vec2& centre : starts_in(*region, cells)) cells_.emplace_back(centre, source.feature);
     if (cells_.empty())
         throw InputError(
             "release.pattern is \"cells\", but no cell centre of the terrain lies in a release polygon: draw larger "

@@ -167,6 +167,11 @@ TEST_F(ProfileCampaign, CountsClose) {
     EXPECT_EQ(r.deposits[0].count, in_zone);
     EXPECT_GT(in_zone, 0);
     EXPECT_EQ(r.trajectories.size(), 5u);
+    for (const KeptTrajectory& t : r.trajectories) {
+        const BlockResult& b = r.blocks[static_cast<std::size_t>(t.block)];
+        EXPECT_NEAR((t.points.back() - b.stop).norm(), 0.0, 1e-9) << "a path ends where the block stopped";
+        EXPECT_NEAR(t.chainages.back(), b.stop_s, 1e-9);
+    }
 }
 
 // Who crosses the screen crosses the cell below it; a block that ends beyond a screen has crossed it.

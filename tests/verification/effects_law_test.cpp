@@ -296,4 +296,25 @@ TYPED_TEST(EffectLaw, OwnLawSeesTheContactAndIsKeptWithinBounds) {
     EXPECT_NEAR(this->speed_after(0.0, 0.0, false, 2.0), g * 0.5 * 2.0, 1e-6);
 }
 
+// A law of the user that gives no number ends the block as failed, before anything looks for contacts at a place that is none.
+TYPED_TEST(EffectLaw, OwnLawThatGivesNoNumberFailsTheBlock) {
+    constexpr int kDim = TestFixture::kDimension;
+    this->ball.soil = {"slope", 0.5, 0.3, 0.01};
+    for (const bool drag : {false, true}) {
+        Effect own = effect_with(EffectKind::OwnLaw, {});
+        if (drag)
+            own.own.ground_drag = [](const scree_contact_state*, scree_ground_drag_values* d) { d->linear = kNaN; };
+        else
+            own.own.contact_law = [](const scree_contact_state*, scree_contact_law_values* law) {
+                law->restitution = kNaN;
+            };
+        this->ball.effects = {own};
+        auto release = this->ball.at(0.0, 1.0);
+        release.velocity[0] = 2.0;
+        MotionRecorder<kDim> motion;
+        EXPECT_EQ(this->ball.run(release, 5.0, &motion).reason, StopReason::Failed) << drag;
+        for (const auto& m : motion.segments()) EXPECT_TRUE(m.position.allFinite() && m.velocity_end.allFinite());
+    }
+}
+
 }  // namespace scree::test

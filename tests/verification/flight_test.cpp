@@ -37,6 +37,26 @@ Vec3 angular_momentum(const BlockState<3>& s) {
 
 }  // namespace
 
+// A body that turns about its middle axis tumbles: on the way it is faster than at the start and at the end.
+TEST(Flight, SpinAtTheEndIsThatAndNotTheLargest) {
+    BallOnPlane<3> far_below(0.5, Vec3::UnitZ());
+    const SphereMechanics run{kBlock0, far_below, {Soil{}}, DynamicsSettings{}};
+    BlockState<3> release = tumbling();
+    release.spin = {0.5, 6.0, 0.0};
+    double largest = 0.0;
+    bool fell = false;
+    for (double time = 0.2; time < 4.0; time += 0.2) {
+        MotionRecorder<3> motion;
+        const TrajectoryEnd<3> end = run.until(time, release, &motion);
+        const MotionSegment<3>& last = motion.segments().back();
+        EXPECT_NEAR(last.spin_end, end.state.spin.norm(), 1e-12);
+        EXPECT_GE(last.spin_most, last.spin_end);
+        largest = std::max(largest, last.spin_end);
+        fell = fell || last.spin_end < largest - 0.1;
+    }
+    EXPECT_TRUE(fell) << "or the body does not tumble, and the test says nothing";
+}
+
 TEST(Flight, ParabolaIsExact) {
     BallOnPlane<3> far_below(0.5, Vec3::UnitZ());
     DynamicsSettings settings;

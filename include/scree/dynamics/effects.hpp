@@ -171,7 +171,7 @@ RandomStream effect_stream(std::uint64_t seed, EffectKind kind, std::uint64_t nu
 /// True for effects that the motion of a block feels (not those of terrain, block, release and measurement).
 bool acts_on_motion(EffectKind kind);
 
-/// Throws InputError where an effect cannot be: a value outside its range, a place that it does not know, a net without lines, impacts in a mode
+/// Throws InputError where an effect cannot be: a value outside its range, a place that it does not know, impacts in a mode
 /// without them. `event_mode`: impacts are events of their own.
 void check_effect(const Effect& effect, bool event_mode);
 

@@ -56,14 +56,15 @@ inline constexpr std::array<const char*, 4> kStopReasonNames{"at_rest", "left_te
 template <int Dim>
 struct MotionSegment {
     using Vec = typename Space<Dim>::Vec;
-    double start = 0.0;                  ///< time since release [s]
-    double duration = 0.0;               ///< [s]
-    double mass = 0.0;                   ///< of the block, or of what is left of it [kg]
-    Vec position = Vec::Zero();          ///< of the centre of mass at the start [m]
-    Vec velocity_start = Vec::Zero();    ///< [m/s]
-    Vec velocity_end = Vec::Zero();      ///< [m/s]
-    double spin_start = 0.0;             ///< magnitude of the angular velocity [rad/s]
-    double spin_end = 0.0;               ///< [rad/s]
+    double start = 0.0;                ///< time since release [s]
+    double duration = 0.0;             ///< [s]
+    double mass = 0.0;                 ///< of the block, or of what is left of it [kg]
+    Vec position = Vec::Zero();        ///< of the centre of mass at the start [m]
+    Vec velocity_start = Vec::Zero();  ///< [m/s]
+    Vec velocity_end = Vec::Zero();    ///< [m/s]
+    double spin_start = 0.0;           ///< magnitude of the angular velocity [rad/s]
+    double spin_end = 0.0;             ///< [rad/s]
+    double spin_most = 0.0;  ///< largest on the way: a block that turns freely may be faster in between [rad/s]
     double rotation_energy_start = 0.0;  ///< [J]
     double rotation_energy_end = 0.0;    ///< [J]
     bool in_contact = false;

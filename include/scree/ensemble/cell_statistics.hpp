@@ -34,9 +34,12 @@ private:
     std::vector<std::pair<std::int32_t, std::uint32_t>> bins_;  ///< (bin, count), in order of the bins
 };
 
+/// Energies of large blocks, in 1e-4 J, over a million passages are too much for 64 bits.
+__extension__ using WideInteger = __int128;
+
 /// One quantity in one cell. Sums are kept in integers so that the mean does not depend on the order of the blocks either.
 struct QuantityStatistics {
-    std::int64_t sum = 0;  ///< in units of 1e-4 of the quantity's unit [1e-4]
+    WideInteger sum = 0;   ///< in units of 1e-4 of the quantity's unit [1e-4]
     double largest = 0.0;  ///< [unit of the quantity]
     LogHistogram histogram;
 

@@ -54,6 +54,8 @@ private:
         std::variant<Region, Polyline, Vec2> place;
     };
     Vec2 draw_from(const Source& source, RandomStream& random) const;
+    /// Centres of cells that lie in the region and on the terrain.
+    std::vector<Vec2> starts_in(const Region& region, const GridShape& cells) const;
     void find_cells(const GridShape& cells);
 
     const Surface& surface_;

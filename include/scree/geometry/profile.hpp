@@ -51,7 +51,6 @@ struct Profile {
     /// both sides of the question: a corner of the screen on the profile, or a vertex of the profile on the screen, is one crossing or none.
     std::vector<double> crossings(std::span<const Vec2> line) const;
 
-    /// A stretch of the profile.
     /// The stretches that lie in an area in plan (release area, deposit zone), ascending.
     std::vector<Stretch> inside(const MultiPolygon& area) const;
 
