@@ -4,7 +4,7 @@
 #include "cli/commands.hpp"
 #include "cli/settings.hpp"
 #include "cli/text.hpp"
-#include "gis/sha256.hpp"
+#include "gis/dataset.hpp"
 
 #include <sstream>
 
@@ -59,7 +59,7 @@ std::vector<gis::ProvenanceEntry> provenance(const SiteFile& site, const SiteMod
     }
     p.push_back({"quantile_error", short_number(kQuantileError) + " relative"});
     for (const std::string& file : model.inputs)
-        p.push_back({"sha256 " + fs::path(file).filename().string(), gis::sha256_of_file(file)});
+        p.push_back({"sha256 " + fs::path(file).filename().string(), gis::sha256_of_input(file)});
     SiteSettings portable = site.settings;
     portable.output_directory.clear();
     p.push_back({"settings", settings_as_toml(portable, [](const std::string& path) {
@@ -68,6 +68,18 @@ std::vector<gis::ProvenanceEntry> provenance(const SiteFile& site, const SiteMod
     for (std::size_t k = 0; k < model.warnings.size(); ++k)
         p.push_back({"warning_" + std::to_string(k + 1), without_folders(model.warnings[k], site, model.inputs)});
     return p;
+}
+
+std::string settings_from(const SiteFile& site, const SiteSettings& settings, const fs::path& folder) {
+    return settings_as_toml(settings, [&](const std::string& path) {
+        const fs::path file = site.resolve(path);
+        std::error_code error;
+        const bool of_gdal =
+            path.starts_with("/vsi") || (path.find(':') != std::string::npos && !fs::exists(file, error));
+        if (path == settings.output_directory || of_gdal) return path;
+        const fs::path relative = fs::relative(file, folder, error);
+        return error || relative.empty() ? fs::absolute(file).string() : relative.string();
+    });
 }
 
 std::string reproducing_toml(const SiteFile& site, const CampaignResult& result, const fs::path& folder,
@@ -80,12 +92,7 @@ std::string reproducing_toml(const SiteFile& site, const CampaignResult& result,
     for (std::size_t k = 0; k < kStopReasonNames.size(); ++k)
         text << (k ? ", " : " ") << result.reasons[k] << " " << kStopReasonNames[k];
     text << (result.interrupted ? "\n# INTERRUPTED: not all blocks were thrown" : "") << "\n";
-    text << settings_as_toml(settings, [&](const std::string& path) {
-        if (path == settings.output_directory) return path;
-        std::error_code error;
-        const fs::path relative = fs::relative(site.resolve(path), folder, error);
-        return error || relative.empty() ? fs::absolute(site.resolve(path)).string() : relative.string();
-    });
+    text << settings_from(site, settings, folder);
     return text.str();
 }
 

@@ -15,6 +15,9 @@ namespace scree::cli {
 std::vector<gis::ProvenanceEntry> provenance(const SiteFile& site, const SiteModel& model,
                                              const CampaignResult& result);
 
+/// Settings of a site as a site file in `folder`, to which its paths lead.
+std::string settings_from(const SiteFile& site, const SiteSettings& settings, const std::filesystem::path& folder);
+
 /// A site file that reproduces a result from its folder; its first line says by which command.
 std::string reproducing_toml(const SiteFile& site, const CampaignResult& result, const std::filesystem::path& folder,
                              const std::string& command);

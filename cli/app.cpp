@@ -205,7 +205,7 @@ void print_warnings(const Context& context, const std::vector<std::string>& warn
 void warn_of_partial_results(const Context& context, const std::filesystem::path& folder) {
     namespace fs = std::filesystem;
     std::error_code ignored;
-    const fs::path path = fs::weakly_canonical(folder, ignored);
+    const fs::path path = fs::weakly_canonical(fs::absolute(folder, ignored), ignored);
     const std::string prefix = path.filename().string() + ".partial-";
     for (const auto& entry : fs::directory_iterator(path.parent_path(), ignored))
         if (entry.path().filename().string().starts_with(prefix))

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "cli/calibrate_report.hpp"
 
+#include "cli/account.hpp"
 #include "cli/commands.hpp"
 #include "cli/compare_report.hpp"
 #include "cli/html.hpp"
@@ -213,12 +214,7 @@ std::string calibrated_toml(const CalibrationReport& r, const fs::path& to) {
     text << "\n";
     SiteSettings settings = r.after.settings;
     settings.output_directory = "out";
-    text << settings_as_toml(settings, [&](const std::string& path) {
-        if (path == settings.output_directory) return path;
-        std::error_code error;
-        const fs::path relative = fs::relative(r.after.resolve(path), to, error);
-        return error || relative.empty() ? fs::absolute(r.after.resolve(path)).string() : relative.string();
-    });
+    text << settings_from(r.after, settings, to);
     return text.str();
 }
 

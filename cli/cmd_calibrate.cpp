@@ -7,8 +7,8 @@
 #include "cli/progress.hpp"
 #include "cli/settings.hpp"
 #include "cli/text.hpp"
+#include "gis/dataset.hpp"
 #include "gis/results_writer.hpp"
-#include "gis/sha256.hpp"
 #include "scree/inference/calibration_loss.hpp"
 
 #include <nlohmann/json.hpp>
@@ -34,8 +34,8 @@ std::string subject_of(const SiteFile& site, const SiteModel& model, const Obser
     portable.calibration.free.clear();
     json["settings"] =
         settings_as_toml(portable, [](const std::string& path) { return fs::path(path).filename().string(); });
-    for (const std::string& file : model.inputs) json["inputs"].push_back(gis::sha256_of_file(file));
-    for (const std::string& file : observed.inputs) json["observations"].push_back(gis::sha256_of_file(file));
+    for (const std::string& file : model.inputs) json["inputs"].push_back(gis::sha256_of_input(file));
+    for (const std::string& file : observed.inputs) json["observations"].push_back(gis::sha256_of_input(file));
     json["parameters"] = keys.problem.parameters.size();
     return json.dump();
 }

@@ -4,8 +4,8 @@
 #include "cli/commands.hpp"
 #include "cli/compare_report.hpp"
 #include "cli/progress.hpp"
+#include "gis/dataset.hpp"
 #include "gis/results_writer.hpp"
-#include "gis/sha256.hpp"
 
 #include <ostream>
 
@@ -52,7 +52,7 @@ gis::ResultsPackage results_of(const SiteFile& site, const SiteModel& model, con
     package.provenance = provenance(site, model, campaign);
     for (const std::string& file : observed.inputs)
         package.provenance.push_back(
-            {"sha256 of observations " + fs::path(file).filename().string(), gis::sha256_of_file(file)});
+            {"sha256 of observations " + fs::path(file).filename().string(), gis::sha256_of_input(file)});
     const std::vector<Figure> figures = compare_figures(study, model, observed, campaign);
     for (const Figure& f : figures) package.files.push_back({"figures/" + f.file, f.svg});
     package.files.push_back({"report.html", compare_html(study, observed, campaign, figures)});

@@ -7,9 +7,9 @@
 #include "cli/site_model.hpp"
 #include "cli/site_profiles.hpp"
 #include "cli/terrain_layers.hpp"
+#include "gis/dataset.hpp"
 #include "gis/profile_picture.hpp"
 #include "gis/results_writer.hpp"
-#include "gis/sha256.hpp"
 #include "gis/words.hpp"
 
 #include <algorithm>
@@ -104,7 +104,7 @@ std::vector<gis::ProvenanceEntry> provenance(const SiteFile& site, const SiteTer
                                            {"profiles", std::to_string(profiles.traces.size())},
                                            {"profiles_left_out", std::to_string(profiles.left_out)}};
     for (const std::string& file : inputs)
-        p.push_back({"sha256 " + fs::path(file).filename().string(), gis::sha256_of_file(file)});
+        p.push_back({"sha256 " + fs::path(file).filename().string(), gis::sha256_of_input(file)});
     SiteSettings portable = site.settings;
     portable.output_directory.clear();
     p.push_back({"settings", settings_as_toml(portable, [](const std::string& path) {
@@ -123,7 +123,7 @@ std::vector<std::string> input_files(const SiteFile& site, const SiteProfiles& p
     for (const std::string& path : {s.dtm, s.zones.file, s.breaklines.file})
         if (!path.empty()) add(site.resolve(path).string());
     for (const std::string& file : profiles.inputs) add(file);
-    return files;
+    return gis::files_behind(files);
 }
 
 }  // namespace

@@ -39,9 +39,11 @@ struct Context {
     std::ostream* err = nullptr;
 
     SiteFile read_site() const { return read_site_file(target, changes); }
-    /// Folder of the results of this site.
+    /// Folder of the results of this site, without a slash at the end: what stands beside it has its name and more.
     std::filesystem::path results_folder(const SiteFile& site) const {
-        return output.empty() ? site.resolve(site.settings.output_directory) : std::filesystem::path(output);
+        const std::filesystem::path folder =
+            output.empty() ? site.resolve(site.settings.output_directory) : std::filesystem::path(output);
+        return folder.has_filename() ? folder : folder.parent_path();
     }
 };
 

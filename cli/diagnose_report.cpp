@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "cli/diagnose_report.hpp"
 
+#include "cli/account.hpp"
 #include "cli/commands.hpp"
 #include "cli/compare_report.hpp"
 #include "cli/diagnose_consequences.hpp"
@@ -110,12 +111,7 @@ std::string extended_toml(const DiagnoseStudy& study, const fs::path& to) {
                                  : with_changes(study.site, study.keys.changes(study.tested_point()));
     SiteSettings settings = site.settings;
     settings.output_directory = "out";
-    text << settings_as_toml(settings, [&](const std::string& path) {
-        if (path == settings.output_directory) return path;
-        std::error_code error;
-        const fs::path relative = fs::relative(study.site.resolve(path), to, error);
-        return error || relative.empty() ? fs::absolute(study.site.resolve(path)).string() : relative.string();
-    });
+    text << settings_from(study.site, settings, to);
     return text.str();
 }
 

@@ -2,7 +2,7 @@
 #include "cli/field_test.hpp"
 
 #include "cli/progress.hpp"
-#include "gis/sha256.hpp"
+#include "gis/dataset.hpp"
 
 #include <algorithm>
 #include <filesystem>
@@ -69,7 +69,7 @@ std::vector<std::string> input_lines(const SiteModel& model, const ObservedSite&
     std::vector<std::string> lines;
     const auto add = [&](const std::string& file, const char* what) {
         lines.push_back(std::filesystem::path(file).filename().string() + what + ", sha256 " +
-                        gis::sha256_of_file(file));
+                        gis::sha256_of_input(file));
     };
     for (const std::string& file : observed.inputs) add(file, " (measured)");
     for (const std::string& file : model.inputs) add(file, "");

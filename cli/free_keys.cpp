@@ -31,14 +31,15 @@ void add_known(const Setting<S>& key, const S& settings, KnownKey& found) {
     if (std::find(found.values.begin(), found.values.end(), value) == found.values.end()) found.values.push_back(value);
 }
 
-/// A number of an [[effect]]; berms are not among them, as they stand in the terrain.
+/// A number of an [[effect]]; berms are not among them, as they stand in the terrain, nor is what acts on the measurements: they are read once.
 bool find_effect_key(const SiteFile& site, const std::string& name, KnownKey& found) {
     const auto last = name.rfind('.');
     const std::string which = last > 7 ? name.substr(7, last - 7) : std::string();
     for (std::size_t i = 0; i < site.settings.effects.size(); ++i) {
         const EffectSettings& e = site.settings.effects[i];
         const EffectInfo& info = effect_info(e.effect.kind);
-        if (info.hook == EffectHook::Terrain || !is_meant(which, info.name, i)) continue;
+        if (info.hook == EffectHook::Terrain || info.hook == EffectHook::Measurement || !is_meant(which, info.name, i))
+            continue;
         for (const auto& k : effect_keys(e.effect.kind))
             if (k.key == name.substr(last + 1)) add_known(k, e, found);
     }
@@ -102,12 +103,15 @@ public:
         const std::string section = name.substr(0, name.find('.'));
         KnownKey key;
         if (!find_key(site_, name, key))
-            refuse("names no key of this site (scree settings lists all; soils are soil.NAME.key)");
+            refuse(
+                "names no key of this site that can be freed (scree settings lists all; soils are soil.NAME.key; berms "
+                "and "
+                "effects on measurements cannot be calibrated)");
         const bool may = std::find(kFreeSections.begin(), kFreeSections.end(), section) != kFreeSections.end();
         const bool number = key.allowed.starts_with("a number") || key.allowed.starts_with("a whole number");
         const bool choice = key.allowed.starts_with("\"") || key.allowed == "true or false";
         if (!may || key.is_path || (!number && !choice) || name == "model.seed" || name == "model.dimension" ||
-            name == "release.count")
+            name == "release.count" || name == "release.pattern")
             refuse(
                 "names a key that cannot be calibrated: take numbers and choices of [[soil]], [[effect]], [blocks], "
                 "[release] and [model]");
@@ -191,6 +195,31 @@ private:
 
 }  // namespace
 
+namespace {
+
+/// Keys of which one must not exceed the other, wherever a search goes: the site with the first at its highest and the second at its lowest must be one.
+void require_ordered(const SiteFile& site, const FreeKeys& keys) {
+    static constexpr std::array kLower{"blocks.volume_min", "blocks.ratio_21_min", "blocks.ratio_32_min",
+                                       "model.activation_gap"},
+        kUpper{"blocks.volume_max", "blocks.ratio_21_max", "blocks.ratio_32_max", "model.release_gap"};
+    const auto has = [](const auto& list, const std::string& name) {
+        return std::find(list.begin(), list.end(), name) != list.end();
+    };
+    std::vector<std::string> changes;
+    for (std::size_t i = 0; i < keys.problem.parameters.size(); ++i) {
+        const CalibrationParameter& p = keys.problem.parameters[i];
+        const bool lower = has(kLower, p.name);
+        if (lower || has(kUpper, p.name)) changes.push_back(p.name + "=" + keys.text(i, lower ? p.high : p.low));
+    }
+    try {
+        with_changes(site, changes);
+    } catch (const InputError& e) {
+        throw InputError(std::string("the ranges of the free parameters overlap: ") + e.what());
+    }
+}
+
+}  // namespace
+
 std::string FreeKeys::text(std::size_t i, double value) const {
     if (whole[i]) return std::to_string(std::llround(value));
     char buffer[32];
@@ -215,6 +244,7 @@ FreeKeys read_free_keys(const SiteFile& site, const std::vector<std::string>& en
                          site.settings.soils.front().name + ".rolling=0.01:0.1\"");
     FreeKeys keys;
     for (const std::string& entry : entries) Reader(site, entry).read(keys);
+    require_ordered(site, keys);
     return keys;
 }
 

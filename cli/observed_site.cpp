@@ -4,6 +4,7 @@
 #include "cli/commands.hpp"
 #include "cli/further_instruments.hpp"
 #include "cli/progress.hpp"
+#include "gis/dataset.hpp"
 #include "gis/observation_reader.hpp"
 #include "scree/base/error.hpp"
 #include "scree/base/units.hpp"
@@ -416,8 +417,12 @@ private:
     }
 
     /// That of [profile], which 3D has to trace for this.
-    Profile the_profile() const {
+    Profile the_profile() {
         const SiteProfiles traced = model_.profiles ? *model_.profiles : trace_site_profiles(site_, model_.terrain);
+        if (!model_.profiles) {
+            result_.inputs.insert(result_.inputs.end(), traced.inputs.begin(), traced.inputs.end());
+            result_.warnings.insert(result_.warnings.end(), traced.warnings.begin(), traced.warnings.end());
+        }
         if (traced.traces.size() != 1)
             throw InputError(site_.file.string() +
                              ": observed.axis = \"profile\" needs one profile, and [profile] gives " +
@@ -503,19 +508,37 @@ double highest_start(const SiteModel& model, const Observations& observations) {
     return highest + kStartSlack;
 }
 
+/// Largest speed that a release gives, its spin counted as if all of it could turn into speed; infinite where nobody knows the size of a block that spins [m/s].
+double start_speed(const SiteModel& model, const Observations& observations) {
+    const CampaignInput& c = model.campaign;
+    double speed = c.release.speed, spin = c.release.spin;
+    for (const Effect& e : c.effects) {
+        if (e.kind != EffectKind::ReleaseMotion) continue;
+        speed += e.value("speed");
+        spin += e.value("spin");
+    }
+    if (spin == 0.0) return speed;
+    double largest = 0.0;
+    for (const BlockRow& b : c.population.list) largest = std::max(largest, b.size.maxCoeff());
+    for (const ObservedBlock& b : observations.blocks)
+        if (b.has_body()) largest = std::max(largest, b.size.maxCoeff());
+    return largest > 0.0 ? std::hypot(speed, 0.5 * largest * spin) : kInfinity;
+}
+
 }  // namespace
 
 ObservedSite load_observed(const SiteFile& site, const SiteModel& model, const std::string& path) {
     const gis::ObservationRecords records =
         gis::read_observations(path, model.terrain.data.frame, model.terrain.data.grid.shape.bounds());
     ObservedSite observed = Resolver(site, model, records).resolve();
+    observed.inputs = gis::files_behind(observed.inputs);
 
     AuditSite audit;
     audit.surface = model.terrain.surface.get();
     audit.screens = model.campaign.screens;
     audit.blocks = model.campaign.population.list;
     audit.highest_start = highest_start(model, observed.observations);
-    audit.start_speed = model.campaign.release.speed;
+    audit.start_speed = start_speed(model, observed.observations);
     audit.gravity = model.campaign.dynamics.gravity;
     audit.map_height = model.terrain.data.frame.height;
     for (Finding& f : audit_observations(observed.observations, observed.op, audit))

@@ -226,9 +226,13 @@ void check_together(const SiteFile& site) {
     auto ordered = [&](double low, double high, const char* a, const char* b) {
         std::ostringstream values;
         values << a << " = " << low << " is larger than " << b << " = " << high;
-        require(low <= high, file + ": " + values.str() + ": exchange them, or set both");
+        require(low <= high, file + ": " + values.str() + ": set one of them otherwise");
     };
     ordered(s.distribution.volume_min, s.distribution.volume_max, "blocks.volume_min", "blocks.volume_max");
+    if (s.distribution.law == VolumeLaw::LogNormal) {  // which draws again what lies beyond the ends
+        ordered(s.distribution.volume_min, s.distribution.volume, "blocks.volume_min", "blocks.volume, the median,");
+        ordered(s.distribution.volume, s.distribution.volume_max, "blocks.volume, the median,", "blocks.volume_max");
+    }
     ordered(s.distribution.ratio_21[0], s.distribution.ratio_21[1], "blocks.ratio_21_min", "blocks.ratio_21_max");
     ordered(s.distribution.ratio_32[0], s.distribution.ratio_32[1], "blocks.ratio_32_min", "blocks.ratio_32_max");
     ordered(s.dynamics.activation_gap, s.dynamics.release_gap, "model.activation_gap", "model.release_gap");
@@ -251,6 +255,16 @@ void check_together(const SiteFile& site) {
 }
 
 }  // namespace
+
+std::filesystem::path SiteFile::resolve(const std::string& path) const {
+    namespace fs = std::filesystem;
+    const fs::path p(path), joined = folder / p, plain = joined.lexically_normal();
+    std::error_code ignored;
+    if (p.is_absolute()) return p;
+    if (path.find(':') != std::string::npos && !fs::exists(joined, ignored)) return p;
+    // where a link stands before "..", the way through it leads elsewhere
+    return fs::weakly_canonical(joined, ignored) == fs::weakly_canonical(plain, ignored) ? plain : joined;
+}
 
 SiteFile read_site_file(const std::filesystem::path& file, const std::vector<std::string>& changes) {
     SiteFile site;

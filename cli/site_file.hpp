@@ -16,11 +16,8 @@ struct SiteFile {
     std::filesystem::path folder;
     SiteSettings settings;
 
-    /// A path of the settings as it is opened.
-    std::filesystem::path resolve(const std::string& path) const {
-        const std::filesystem::path p(path);
-        return p.is_absolute() ? p : (folder / p).lexically_normal();
-    }
+    /// A path of the settings as it is opened; names of GDAL (GPKG:FILE:LAYER) are left as they are.
+    std::filesystem::path resolve(const std::string& path) const;
 };
 
 /// Reads a site file and applies `--set key=value` changes. Throws InputError that names file, line, key, value and what is allowed; unknown keys

@@ -3,6 +3,7 @@
 
 #include "cli/plane_model.hpp"
 #include "cli/text.hpp"
+#include "gis/dataset.hpp"
 #include "gis/table_reader.hpp"
 #include "scree/base/error.hpp"
 #include "scree/base/units.hpp"
@@ -52,15 +53,17 @@ GridShape result_cells(const GridShape& model, double resolution) {
     if (resolution <= 0.0 || resolution == model.cell) return model;
     GridShape cells = model;  // same north-west corner, so that coarser cells line up with the model's
     cells.cell = resolution;
-    cells.columns = std::max(1, static_cast<int>(std::ceil(model.columns * model.cell / resolution - 1e-9)));
-    cells.rows = std::max(1, static_cast<int>(std::ceil(model.rows * model.cell / resolution - 1e-9)));
-    cells.origin.y() = model.origin.y() + model.rows * model.cell - cells.rows * resolution;
-    if (resolution<model.cell&& static_cast<double>(cells.columns) * cells.rows> kMostResultCells)
+    const double columns = std::ceil(model.columns * model.cell / resolution - 1e-9),
+                 rows = std::ceil(model.rows * model.cell / resolution - 1e-9);
+    if (resolution < model.cell && columns * rows > kMostResultCells)
         throw InputError(
-            "output.resolution = " + short_number(resolution) + " m gives " + std::to_string(cells.columns) + " x " +
-            std::to_string(cells.rows) +
+            "output.resolution = " + short_number(resolution) + " m gives " + short_number(columns) + " x " +
+            short_number(rows) +
             " result cells, more than the 100 million that are allowed; choose a coarser one, or cut out the "
             "site with gdal_translate -projwin");
+    cells.columns = std::max(1, static_cast<int>(columns));
+    cells.rows = std::max(1, static_cast<int>(rows));
+    cells.origin.y() = model.origin.y() + model.rows * model.cell - cells.rows * resolution;
     return cells;
 }
 
@@ -141,9 +144,13 @@ void apply_parameters(const SiteFile& site, CampaignInput& c) {
     const SiteSettings& s = site.settings;
     c.population.in_turn = s.block_order == BlockOrder::InTurn;
     c.population.distribution = s.distribution;
+    const bool other_shape = c.population.shape.shape != s.shape || c.population.shape.points != s.points ||
+                             c.population.shape.polygon_points != s.polygon_points;
     c.population.shape.shape = s.shape;
     c.population.shape.points = s.points;
     c.population.shape.polygon_points = s.polygon_points;
+    if (other_shape && !c.tracks.empty() && c.population.list.empty())
+        c.population.filling = mean_filling(c.population.shape);
     c.soils = s.soils;
     c.dynamics = s.dynamics;
     c.dynamics.kept_problems = static_cast<int>(s.contact_problems);
@@ -209,6 +216,12 @@ SiteModel load_site(const SiteFile& site) {
     else
         add_release_area(site, model);
     require_screens_of_effects(site, c);
+    model.inputs = gis::files_behind(model.inputs);
+    for (const std::string& file : model.inputs)
+        if (!file.starts_with("/vsi") && !std::filesystem::is_regular_file(file))
+            throw InputError(file +
+                             ": no file on disc stands behind this input, and results hold the SHA-256 of every input; "
+                             "save it as a file");
     return model;
 }
 

@@ -1,9 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "gis/dataset.hpp"
 
+#include "gis/sha256.hpp"
 #include "gis/words.hpp"
 #include "scree/base/error.hpp"
 
+#include <cpl_string.h>
+#include <cpl_vsi.h>
 #include <gdal_priv.h>
 
 #include <algorithm>
@@ -43,7 +46,56 @@ std::string trouble_with_file(const std::string& file) {
     return {};
 }
 
+bool shown_only(const std::string& file) {
+    return file.ends_with(".ovr") || file.ends_with(".aux.xml");
+}
+
 }  // namespace
+
+std::vector<std::string> files_behind(const std::string& input) {
+    namespace fs = std::filesystem;
+    std::vector<std::string> files{input};
+    std::error_code ignored;
+    if (fs::is_directory(input, ignored)) {
+        files.clear();
+        for (const auto& entry : fs::recursive_directory_iterator(input, ignored))
+            if (entry.is_regular_file(ignored)) files.push_back(entry.path().string());
+        std::sort(files.begin(), files.end());
+        return files;
+    }
+    const GdalScope scope;
+    DatasetPtr dataset(GDALDataset::Open(input.c_str(), GDAL_OF_READONLY | GDAL_OF_RASTER | GDAL_OF_VECTOR));
+    if (!dataset) return files;  // none of GDAL's: a table, a block shape, a library
+    char** list = dataset->GetFileList();
+    std::vector<std::string> parts;
+    for (char** part = list; part && *part; ++part)
+        if (!shown_only(*part)) parts.emplace_back(*part);
+    CSLDestroy(list);
+    std::sort(parts.begin(), parts.end());
+    if (!is_plain_path(input) && !parts.empty()) files.clear();  // GPKG:a.gpkg:dtm is no file
+    for (std::string& part : parts)
+        if (part != input) files.push_back(std::move(part));
+    return files;
+}
+
+std::vector<std::string> files_behind(const std::vector<std::string>& inputs) {
+    std::vector<std::string> all;
+    for (const std::string& input : inputs)
+        for (std::string& file : files_behind(input))
+            if (std::find(all.begin(), all.end(), file) == all.end()) all.push_back(std::move(file));
+    return all;
+}
+
+std::string sha256_of_input(const std::string& file) {
+    if (!file.starts_with("/vsi")) return sha256_of_file(file);
+    const std::unique_ptr<VSILFILE, int (*)(VSILFILE*)> in(VSIFOpenL(file.c_str(), "rb"), VSIFCloseL);
+    if (!in) throw InputError(file + ": cannot be opened for reading; check that the archive exists and has the file");
+    Sha256 hash;
+    std::string buffer(std::size_t{1} << 18, '\0');
+    for (std::size_t read = 0; (read = VSIFReadL(buffer.data(), 1, buffer.size(), in.get())) > 0;)
+        hash.update({buffer.data(), read});
+    return hash.hex();
+}
 
 void DatasetCloser::operator()(GDALDataset* dataset) const {
     GDALClose(dataset);

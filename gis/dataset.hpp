@@ -5,6 +5,7 @@
 
 #include <memory>
 #include <string>
+#include <vector>
 
 class GDALDataset;
 
@@ -20,5 +21,13 @@ enum class DatasetKind { Raster, Vector };
 /// Opens a file for reading only, or throws InputError that says why it cannot be: absent, a folder, empty, a web page, a format
 /// that GDAL does not know. `purpose` is how the message calls it ("terrain model", "release zones").
 DatasetPtr open_dataset(const std::string& file, DatasetKind kind, const std::string& purpose, const GdalScope& scope);
+
+/// The files on disc behind an input: of a Shapefile its parts, of a virtual raster its sources, of a folder what lies in it, else the file itself.
+/// Without overviews and the statistics (.aux.xml) that a GIS writes beside a raster when it shows it.
+std::vector<std::string> files_behind(const std::string& input);
+/// Of several inputs, each file once, in their order.
+std::vector<std::string> files_behind(const std::vector<std::string>& inputs);
+/// SHA-256 of one of them, as sha256sum prints it; also of files that GDAL reads out of an archive. Throws InputError where it cannot be read.
+std::string sha256_of_input(const std::string& file);
 
 }  // namespace scree::gis

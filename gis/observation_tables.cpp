@@ -123,8 +123,9 @@ RecordTable read_layer_records(const std::string& file, const std::string& layer
     VectorSource source;
     source.file = file;
     source.layer = layer;
-    source.kinds = {GeometryKind::Point, GeometryKind::Polygon};
-    if (layer == kSharesTable) source.kinds.push_back(GeometryKind::LineString);  // zones along profiles
+    source.kinds = {GeometryKind::Point};
+    if (layer == kSharesTable)  // deposit zones, along profiles as well
+        source.kinds.insert(source.kinds.end(), {GeometryKind::Polygon, GeometryKind::LineString});
     source.purpose = "observations";
     source.may_reach_beyond = true;  // the audit of the observations says so in its own words
     source.geometry_optional = true;

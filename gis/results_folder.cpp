@@ -5,6 +5,7 @@
 #include "scree/base/error.hpp"
 
 #include <fcntl.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -13,7 +14,7 @@
 #include <cstdio>
 #include <cstring>
 #include <fstream>
-#include <set>
+#include <map>
 #include <vector>
 
 namespace scree::gis {
@@ -58,20 +59,31 @@ void write_checksums(const fs::path& folder) {
         throw ComputeError((folder / kChecksumFile).string() + ": could not be stored; check that the disc has room");
 }
 
-/// What an earlier result listed as its own.
-std::set<fs::path> listed_files(const fs::path& folder) {
-    constexpr std::size_t kHashAndBlanks = 66;
-    std::set<fs::path> files = {kChecksumFile};
+/// What an earlier result listed as its own, with the hashes.
+std::map<fs::path, std::string> listed_files(const fs::path& folder) {
+    constexpr std::size_t kHash = 64, kHashAndBlanks = 66;
+    std::map<fs::path, std::string> files = {{kChecksumFile, ""}};
     std::ifstream in(folder / kChecksumFile);
     for (std::string line; std::getline(in, line);) {
-        if (line.size() > kHashAndBlanks) files.insert(line.substr(kHashAndBlanks));
+        if (line.size() > kHashAndBlanks) files[line.substr(kHashAndBlanks)] = line.substr(0, kHash);
     }
     return files;
 }
 
-/// Ours, or what a GIS puts beside a file of ours when it opens it.
-bool belongs_to_result(const fs::path& file, const std::set<fs::path>& listed) {
-    if (listed.contains(file)) return true;
+/// A list of hashes may be anybody's: ours has what every command writes.
+bool is_result(const fs::path& folder) {
+    return fs::exists(folder / kChecksumFile) && listed_files(folder).contains(kGeoPackageFile);
+}
+
+/// What people edit: a project saved in QGIS, a site file. (A GeoPackage changes when it is merely looked at.)
+bool is_edited(const fs::path& folder, const fs::path& file, const std::string& hash) {
+    const fs::path kind = file.extension();
+    return (kind == ".qgs" || kind == ".toml") && sha256_of_file(folder / file) != hash;
+}
+
+/// Ours and as we left it, or what a GIS puts beside a file of ours when it opens it.
+bool belongs_to_result(const fs::path& folder, const fs::path& file, const std::map<fs::path, std::string>& listed) {
+    if (const auto own = listed.find(file); own != listed.end()) return !is_edited(folder, file, own->second);
     const std::string name = file.generic_string();
     static constexpr std::array<std::string_view, 5> kCompanions = {"-wal", "-shm", "-journal", ".aux.xml", "~"};
     return std::ranges::any_of(kCompanions, [&](std::string_view suffix) {
@@ -79,12 +91,12 @@ bool belongs_to_result(const fs::path& file, const std::set<fs::path>& listed) {
     });
 }
 
-/// Moves what is not ours from the folder of an earlier result to the new one. Where both have the name, the old file gets the
+/// Moves what is not ours, or was edited, from the folder of an earlier result to the new one. Where both have the name, the old file gets the
 /// suffix .previous: nothing of the user's is ever deleted.
 void keep_other_files(const fs::path& before, const fs::path& now) {
-    const std::set<fs::path> listed = listed_files(before);
+    const std::map<fs::path, std::string> listed = listed_files(before);
     for (const fs::path& file : files_below(before)) {
-        if (belongs_to_result(file, listed)) continue;
+        if (belongs_to_result(before, file, listed)) continue;
         fs::path target = now / file;
         while (fs::exists(fs::symlink_status(target))) target += ".previous";
         fs::create_directories(target.parent_path());
@@ -107,16 +119,29 @@ bool swap_folders(const fs::path& staging, const fs::path& target) {
     return true;
 }
 
+bool is_mount_point(const fs::path& path) {
+    struct stat own {
+    }, around{};
+    return ::stat(path.c_str(), &own) == 0 && ::stat(path.parent_path().c_str(), &around) == 0 &&
+           own.st_dev != around.st_dev;
+}
+
 void check_folder(const fs::path& folder, bool overwrite) {
     const fs::path path = resolved(folder);
     const std::string name = folder.string();
     if (fs::exists(path) && !fs::is_directory(path)) {
         throw InputError(name + ": is a file, but results go into a folder; choose another --output");
     }
+    if (fs::is_symlink(fs::symlink_status(path)))
+        throw InputError(name + ": is a link that leads nowhere; make the folder, or choose another --output");
+    if (is_mount_point(path))
+        throw InputError(name +
+                         ": is where a disc is mounted, and results replace the folder that they go into; choose "
+                         "a folder in it with --output");
     if (fs::exists(path) && !fs::is_empty(path)) {
-        if (!fs::exists(path / kChecksumFile)) {
+        if (!is_result(path)) {
             throw InputError(name + ": holds files but no earlier result (there is no " + kChecksumFile +
-                             " in it), and is left alone; choose another --output");
+                             " in it that lists " + kGeoPackageFile + "), and is left alone; choose another --output");
         }
         if (!overwrite) {
             throw InputError(name + ": holds a result already; choose another --output or replace it with --overwrite");

@@ -8,6 +8,8 @@ namespace scree::gis {
 
 /// The list of a result's files with their SHA-256, as `sha256sum --check` reads it. It marks a folder as a result of ours.
 inline constexpr const char* kChecksumFile = "SHA256SUMS";
+/// All layers of a result; every result has it.
+inline constexpr const char* kGeoPackageFile = "results.gpkg";
 
 /// Throws InputError if results cannot go to the folder: it is a file, it holds things but no result, it holds a result and
 /// `overwrite` is false, or nothing can be written there. Call it before hours of computing.

@@ -32,7 +32,7 @@ void check_names(const ResultsPackage& package) {
     for (const VectorLayer& layer : package.vectors) add(layer.data.name, layer_title(layer, layer.data.name));
     for (const RasterLayer& layer : package.rasters) add(layer.name, layer_title(layer, layer.name));
 
-    std::set<std::string> files = {"results.gpkg", "results.qgs", "rasters", kChecksumFile};
+    std::set<std::string> files = {kGeoPackageFile, "results.qgs", "rasters", kChecksumFile};
     for (const TextFile& file : package.files) {
         const fs::path path(file.name);
         const auto is_plain = [](const fs::path& part) {
@@ -55,7 +55,7 @@ void write_text(const fs::path& file, const std::string& text) {
 }
 
 void write_into(ResultsFolder& results, const ResultsPackage& package) {
-    const fs::path geopackage = results.path() / "results.gpkg";
+    const fs::path geopackage = results.path() / kGeoPackageFile;
 
     // GDAL wants the vectors of a GeoPackage before its rasters
     const std::vector<WrittenLayer> written = write_vector_layers(geopackage, package.frame, package.vectors);

@@ -186,9 +186,16 @@ TEST(Calibrate, RefusesWhatCannotBeCalibrated) {
     EXPECT_THAT(refused("soil.sand|loose.rolling=0.01:0.1"), HasSubstr("names no key of this site"));
     EXPECT_THAT(refused("terrain.resolution=0.5:2"), HasSubstr("cannot be calibrated"));
     EXPECT_THAT(refused("model.seed=1:20"), HasSubstr("cannot be calibrated"));
+    EXPECT_THAT(refused("release.pattern=random,cells"), HasSubstr("cannot be calibrated"));
+    EXPECT_THAT(refused("effect.speed_error.bias=0:0.2"), HasSubstr("effects on measurements cannot be calibrated"));
     EXPECT_THAT(refused("blocks.shape=hull"), HasSubstr("at least two choices"));
     EXPECT_THAT(refused("blocks.shape=hull,cube"), HasSubstr("cube"));
     EXPECT_THAT(refused("blocks.shape=box,eota"), HasSubstr("does not contain the choice of the site"));
+    const Outcome overlapping =
+        in_plane("calibrate", folder / "zones.csv", folder / "out",
+                 {"--free", "blocks.volume_min=0.05:5", "--free", "blocks.volume_max=2:20"});
+    EXPECT_EQ(overlapping.code, 3);
+    EXPECT_THAT(overlapping.err, HasSubstr("the ranges of the free parameters overlap"));
     const Outcome twice =
         in_plane("calibrate", folder / "zones.csv", folder / "out",
                  {"--free", "soil.loose waste.rolling=0.01:0.1", "--free", "soil.*.rolling=0.01:0.1"});

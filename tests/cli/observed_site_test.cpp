@@ -2,6 +2,7 @@
 // Measurements as the library is told of them, and the test that a simulation repeats.
 #include "cli/observed_site.hpp"
 
+#include "cli/commands.hpp"
 #include "cli/field_test.hpp"
 #include "cli/program.hpp"
 #include "cli/site_file.hpp"
@@ -65,6 +66,32 @@ TEST(ObservedSite, ScreensComeInTheOrderOfThePath) {
     ASSERT_EQ(up.observations.crossings.size(), down.observations.crossings.size());
     for (std::size_t k = 0; k < up.observations.crossings.size(); ++k)
         EXPECT_EQ(up.observations.crossings[k].screen, down.observations.crossings[k].screen);
+}
+
+// What pushes or spins a block at its start may make it faster than a fall: no fault of the measurements.
+TEST(ObservedSite, SpeedsThatTheReleaseGivesAreNoFault) {
+    const test::TempDir folder;
+    const std::string site = test::quarry_with(folder.path(), "[[effect]]\nkind = \"release_motion\"\nspeed = 12.0\n");
+    const std::vector<std::string> changes{"model.dimension=2", "screens.file=", "screens.chainages=below = 20"};
+    std::vector<std::string> args{"run", site, "--output", (folder / "field").string(), "--set", "release.count=10"};
+    for (const std::string& change : changes) args.insert(args.end(), {"--set", change});
+    ASSERT_EQ(test::scree_program(args).code, 0);
+    const SiteFile read = read_site_file(site, changes);
+    const ObservedSite observed = load_observed(read, load_site(read), (folder / "field").string());
+    EXPECT_FALSE(observed.observations.crossings.empty());
+    EXPECT_FALSE(observed.has_errors());
+}
+
+// What stands beside the results has their name and more, with a slash at its end as without.
+TEST(ResultsFolderName, EndsWithoutASlash) {
+    SiteFile site;
+    site.folder = "site";
+    Context context;
+    context.output = "diag/";
+    EXPECT_EQ(context.results_folder(site), fs::path("diag"));
+    context.output.clear();
+    site.settings.output_directory = "out/";
+    EXPECT_EQ(context.results_folder(site), fs::path("site/out"));
 }
 
 }  // namespace

@@ -180,6 +180,31 @@ TEST(ResultsFolder, AnEarlierResultIsReplacedOnlyWhenTold) {
         << "files of the earlier result are gone, and so is the temporary folder";
 }
 
+// Anybody may keep a list of hashes beside data.
+TEST(ResultsFolder, AListOfHashesAloneIsNoResult) {
+    const test::TempDir dir;
+    fs::create_directory(dir / "lidar");
+    put(dir / "lidar/tile.laz", "points");
+    put(dir / "lidar/SHA256SUMS", std::string(64, 'a') + "  tile.laz\n");
+    for (const bool overwrite : {false, true})
+        EXPECT_THAT(message_of([&] { write_results(dir / "lidar", small(), overwrite); }),
+                    HasSubstr("no earlier result"));
+    EXPECT_EQ(text_of(dir / "lidar/tile.laz"), "points");
+    fs::create_directory_symlink(dir / "gone", dir / "link");
+    EXPECT_THAT(message_of([&] { require_free_results_folder(dir / "link", true); }), HasSubstr("leads nowhere"));
+}
+
+TEST(ResultsFolder, WhatWasEditedSurvives) {
+    const test::TempDir dir;
+    write_results(dir / "out", small(), false);
+    put(dir / "out/results.qgs", "with my labels");
+    write_results(dir / "out", small(), true);
+    EXPECT_EQ(text_of(dir / "out/results.qgs.previous"), "with my labels");
+    write_results(dir / "out", small(), true);
+    EXPECT_THAT(files_in(dir.path()),
+                ElementsAre("out/SHA256SUMS", "out/results.gpkg", "out/results.qgs", "out/results.qgs.previous"));
+}
+
 TEST(ResultsFolder, FilesOfTheUserSurvive) {
     const test::TempDir dir;
     ResultsPackage package = small();
