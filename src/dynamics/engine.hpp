@@ -12,6 +12,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <span>
 #include <vector>
 
 namespace scree {
@@ -286,6 +287,7 @@ private:
         const double energy_before = energy(before);
         double h = std::min({settings_.time_step, std::max(settings_.time_limit - time_, 1e-9),
                              kMoveInContact * finder_.inner_radius() / std::max(fastest_point(before), 1e-9)});
+        parting_ = all_part(before);
         if (effects_) change_laws(before);  // of the contacts that the look for an impact has set
         State after = moved(before, h);
         if (!is_finite(after)) return finish(StopReason::Failed);  // before anything looks for contacts there
@@ -297,7 +299,8 @@ private:
             new_overlap(after);
         }
         ++end_.counters.contact_steps;
-        MotionSegment<Dim> motion = begin_segment(true);
+        MotionSegment<Dim> motion = begin_segment(!parting_);
+        parting_ = false;
         state_ = after;
         close_contacts(settings_.activation_gap);
         double depth = 0.0;
@@ -310,6 +313,13 @@ private:
         if (!finder_.over_terrain(state_.position) || finder_.beyond_rim()) finish(StopReason::LeftTerrain);
         if (time_ >= settings_.time_limit) finish(StopReason::TimeLimit);
         if (!finished_) look_for_rest(h);
+    }
+
+    /// After a bounce the contacts are still closed but part fast: the block flies already, and what acts in contact has no time to.
+    bool all_part(const State& s) const {
+        for (std::size_t c = 0; c < closed_.size(); ++c)
+            if (step_.normal_velocity(c, s) <= settings_.impact_speed) return false;
+        return true;
     }
 
     /// Solves for the velocities over h and moves with the mean velocity (theta = 1/2).
@@ -328,7 +338,10 @@ private:
     }
 
     /// Acceleration in a step with the closed contacts; drag takes its part of the velocity.
-    Vec drive(double h, State& s) const { return effects_ ? effects_->drive(h, closed_, s) : gravity_; }
+    Vec drive(double h, State& s) const {
+        if (!effects_) return gravity_;
+        return effects_->drive(h, parting_ ? std::span<const Contact<Dim>>() : closed_, s);
+    }
 
     /// Deepest overlap of contacts that were not closed during the step; found_ holds all contacts of the pose.
     double new_overlap(const State& s) {
@@ -654,6 +667,7 @@ private:
     int impacts_in_a_row_ = 0;
     std::int64_t turns_ = 0;
     bool finished_ = false;
+    bool parting_ = false;  ///< the contacts of this step part fast
     std::vector<Contact<Dim>> closed_, previous_, found_, struck_;
     std::vector<double> approach_;  ///< of the contacts of an impact, towards the ground [m/s]
     TrajectoryEnd<Dim> end_;

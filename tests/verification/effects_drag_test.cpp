@@ -39,6 +39,20 @@ TYPED_TEST_SUITE(EffectDrag, Dimensions);
 
 }  // namespace
 
+// A bounce has no duration: drag in contact takes nothing of the way along the ground.
+TYPED_TEST(EffectDrag, ABounceIsNoContactThatLasts) {
+    constexpr int kDim = TestFixture::kDimension;
+    this->ball.soil = {"level", 0.8, 0.0, 0.0};
+    this->ball.effects = {effect_with(EffectKind::GroundDrag, {{"coefficient", 2.4}})};
+    auto release = this->ball.at(0.0, 1.0);
+    release.velocity[0] = 10.0;
+    MotionRecorder<kDim> motion;
+    const auto end = this->ball.run(release, 2.0, &motion);
+    EXPECT_GE(end.counters.impacts, 3);
+    EXPECT_NEAR(end.state.velocity[0], 10.0, 1e-9);
+    for (const auto& m : motion.segments()) EXPECT_FALSE(m.in_contact);
+}
+
 // ---- flight ------------------------------------------------------------------------------------------------------------------------
 
 // From rest under quadratic drag k: v = w tanh(g t / w), z = w^2 / g ln cosh(g t / w), w = sqrt(g / k).
