@@ -299,14 +299,17 @@ private:
             new_overlap(after);
         }
         ++end_.counters.contact_steps;
-        MotionSegment<Dim> motion = begin_segment(!parting_);
+        MotionSegment<Dim> motion = begin_segment(!parting_ || pressed());
         parting_ = false;
         state_ = after;
         close_contacts(settings_.activation_gap);
         double depth = 0.0;
         for (const auto& c : closed_) depth = std::max(depth, -c.gap);
         end_.counters.add_penetration(depth);
-        if (depth > kPenetrationSlop) push_out(energy_before);
+        if (depth > kPenetrationSlop) {
+            push_out(energy_before);
+            motion.in_contact = true;
+        }
         cap_energy(energy_before);
         end_segment(motion, h);
         meet(motion, h, false);
@@ -320,6 +323,13 @@ private:
         for (std::size_t c = 0; c < closed_.size(); ++c)
             if (step_.normal_velocity(c, s) <= settings_.impact_speed) return false;
         return true;
+    }
+
+    /// A contact has acted in the step that was solved last.
+    bool pressed() const {
+        for (std::size_t c = 0; c < closed_.size(); ++c)
+            if (step_.normal_impulse(c) > 0.0) return true;
+        return false;
     }
 
     /// Solves for the velocities over h and moves with the mean velocity (theta = 1/2).

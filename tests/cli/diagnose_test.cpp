@@ -150,7 +150,7 @@ TEST(Diagnose, WithoutTheRightNameItIsUnknownAndNoForce) {
 
 TEST(Diagnose, AForceSaysWhatAnEffectWithoutANameDoes) {
     const TempDir folder;
-    field_test_with(folder, "kind = \"ground_drag\"\ncoefficient = 3.0\n", 30);
+    field_test_with(folder, "kind = \"ground_drag\"\ncoefficient = 2.0\n", 30);
     const fs::path out = folder / "out";
     const std::vector<std::string> more{
         "--observed", (folder / "field").string(), "--set",
