@@ -72,11 +72,9 @@ std::vector<gis::ProvenanceEntry> provenance(const SiteFile& site, const SiteMod
 
 std::string settings_from(const SiteFile& site, const SiteSettings& settings, const fs::path& folder) {
     return settings_as_toml(settings, [&](const std::string& path) {
+        if (path == settings.output_directory || site.is_gdal_name(path)) return path;
         const fs::path file = site.resolve(path);
         std::error_code error;
-        const bool of_gdal =
-            path.starts_with("/vsi") || (path.find(':') != std::string::npos && !fs::exists(file, error));
-        if (path == settings.output_directory || of_gdal) return path;
         const fs::path relative = fs::relative(file, folder, error);
         return error || relative.empty() ? fs::absolute(file).string() : relative.string();
     });

@@ -94,6 +94,28 @@ public:
         return true;
     }
 
+    /// Measurements are sorted to places once, and every value is judged by them. Throws InputError for a value with other ones.
+    void require_same_places(const std::string& key, const std::string& value,
+                             const std::vector<std::string>& fixed) const {
+        std::vector<std::string> changes = fixed;
+        changes.push_back(key + "=" + value);
+        const SiteFile site = read_site_file(context_.target, changes);
+        const SiteModel model = load_site(site);
+        const ObservedSite observed = load_observed(site, model, context_.observed);
+        const auto names = [](const SiteModel& of) {
+            std::vector<std::string> all;
+            for (const Screen& s : of.campaign.screens) all.push_back(s.name);
+            return all;
+        };
+        const LocalFrame &frame = model.terrain.data.frame, &base = model_.terrain.data.frame;
+        if (frame.easting != base.easting || frame.northing != base.northing ||
+            observed.op.zones != observed_.op.zones || names(model) != names(model_))
+            throw InputError("--set " + changes.back() +
+                             ": gives other screens or deposit zones, or a terrain that begins at another corner, than "
+                             "the site as it is, and what was measured would not be compared alike; run scree compare "
+                             "on each");
+    }
+
     bool run_value(const std::string& key, const std::string& value, const std::vector<std::string>& fixed) {
         std::vector<std::string> changes = fixed;
         changes.push_back(key + "=" + value);
@@ -104,7 +126,6 @@ public:
         v.blocks = key == "release.count" ? site.settings.releases.count : blocks_;
         const SiteModel model = load_site(site);
         const ObservedSite observed = load_observed(site, model, context_.observed);
-        require_same_places(key + "=" + value, model, observed);
         CampaignResult campaign;
         if (!run(site, model, observed, v.blocks, campaign)) return false;
         const ObservationTable table = function_.simulated(campaign, seed());
@@ -118,23 +139,6 @@ public:
 
 private:
     std::uint64_t seed() const { return static_cast<std::uint64_t>(site_.settings.seed); }
-
-    /// Measurements are sorted to places once, and every value is judged by them.
-    void require_same_places(const std::string& change, const SiteModel& model, const ObservedSite& observed) const {
-        const auto names = [](const SiteModel& of) {
-            std::vector<std::string> all;
-            for (const Screen& s : of.campaign.screens) all.push_back(s.name);
-            return all;
-        };
-        const LocalFrame &frame = model.terrain.data.frame, &base = model_.terrain.data.frame;
-        if (frame.easting != base.easting || frame.northing != base.northing ||
-            observed.op.zones != observed_.op.zones || names(model) != names(model_))
-            throw InputError(
-                "--set " + change +
-                ": gives other screens or deposit zones, or a terrain that begins at another corner, than "
-                "the site as it is: what was measured could not be compared alike; keep these the same, or "
-                "run scree compare on each");
-    }
 
     bool run(const SiteFile& site, const SiteModel& model, const ObservedSite& observed, std::int64_t blocks,
              CampaignResult& campaign) const {
@@ -268,6 +272,8 @@ ExitCode run_sweep(const Context& context) {
     for (const SweptKey& key : keys) total += static_cast<std::int64_t>(key.values.size());
     const InterruptScope interrupt;
     Progress progress(context, "values", total);
+    for (const SweptKey& key : keys)
+        for (const std::string& value : key.values) sweep.require_same_places(key.key, value, fixed);
     CampaignResult base;
     bool whole = sweep.run_base(base);
     progress.update(++done);

@@ -105,8 +105,7 @@ public:
         if (!find_key(site_, name, key))
             refuse(
                 "names no key of this site that can be freed (scree settings lists all; soils are soil.NAME.key; berms "
-                "and "
-                "effects on measurements cannot be calibrated)");
+                "and effects on measurements cannot be calibrated)");
         const bool may = std::find(kFreeSections.begin(), kFreeSections.end(), section) != kFreeSections.end();
         const bool number = key.allowed.starts_with("a number") || key.allowed.starts_with("a whole number");
         const bool choice = key.allowed.starts_with("\"") || key.allowed == "true or false";

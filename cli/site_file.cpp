@@ -256,12 +256,17 @@ void check_together(const SiteFile& site) {
 
 }  // namespace
 
+bool SiteFile::is_gdal_name(const std::string& path) const {
+    std::error_code ignored;
+    return path.starts_with("/vsi") ||
+           (path.find(':') != std::string::npos && !std::filesystem::exists(folder / path, ignored));
+}
+
 std::filesystem::path SiteFile::resolve(const std::string& path) const {
     namespace fs = std::filesystem;
     const fs::path p(path), joined = folder / p, plain = joined.lexically_normal();
     std::error_code ignored;
-    if (p.is_absolute()) return p;
-    if (path.find(':') != std::string::npos && !fs::exists(joined, ignored)) return p;
+    if (p.is_absolute() || is_gdal_name(path)) return p;
     // where a link stands before "..", the way through it leads elsewhere
     return fs::weakly_canonical(joined, ignored) == fs::weakly_canonical(plain, ignored) ? plain : joined;
 }

@@ -16,7 +16,9 @@ struct SiteFile {
     std::filesystem::path folder;
     SiteSettings settings;
 
-    /// A path of the settings as it is opened; names of GDAL (GPKG:FILE:LAYER) are left as they are.
+    /// Whether it is a name of GDAL (/vsizip/..., GPKG:FILE:LAYER) and no path.
+    bool is_gdal_name(const std::string& path) const;
+    /// A path of the settings as it is opened; names of GDAL are left as they are.
     std::filesystem::path resolve(const std::string& path) const;
 };
 

@@ -120,8 +120,7 @@ bool swap_folders(const fs::path& staging, const fs::path& target) {
 }
 
 bool is_mount_point(const fs::path& path) {
-    struct stat own {
-    }, around{};
+    struct stat own = {}, around = {};
     return ::stat(path.c_str(), &own) == 0 && ::stat(path.parent_path().c_str(), &around) == 0 &&
            own.st_dev != around.st_dev;
 }

@@ -219,8 +219,7 @@ BlockList read_block_list(const std::string& file) {
     BlockList list;
     list.warnings = table.warnings;
     const std::string place = words("The block list '", file, "'");
-    if (table.rows.empty())
-        throw InputError(words(place, " has a header but no rows; add at least one, or leave the table out."));
+    if (table.rows.empty()) throw InputError(words(place, " has a header but no rows; add at least one."));
 
     // generous limits: they catch wrong units, not large blocks
     constexpr double kMaxMass = 1e9, kMaxEdge = 1000;  // [kg], [m]

@@ -59,9 +59,8 @@ ReleaseArea::ReleaseArea(const FeatureLayer& layer, const Surface& surface, Rele
     for (Source& source : sources_) {
         int hits = 0;
         for (int k = 0; k < kTrials; ++k) hits += surface_.facet_at(draw_from(source, random)) >= 0 ? 1 : 0;
-        if (hits == 0 &&
-            !(std::get_if<Region>(&source.place) && !starts_in(std::get<Region>(source.place), cells).empty()))
-            source.weight = 0.0;  // lies off it altogether
+        const auto* region = std::get_if<Region>(&source.place);
+        if (hits == 0 && (!region || starts_in(*region, cells).empty())) source.weight = 0.0;  // off it altogether
         inside += hits;
         total_weight_ += source.weight;
     }

@@ -70,17 +70,16 @@ Diagnoser::Diagnoser(const DiagnosisProblem& problem, const ObservationTable& me
                     {e, v, 1.0, path ? std::optional(part_of(*path, k, k + 1, kStrips)) : std::nullopt});
         }
     planned_variants_ = variants_.size();
-    const auto counted = [&](bool (*is)(const Column&)) {
-        for (std::size_t k = 0; k < measured.columns.size(); ++k)
-            if (is(measured.columns[k]) && std::any_of(measured.values[k].begin(), measured.values[k].end(),
-                                                       [](double v) { return std::isfinite(v); }))
-                return true;
-        return false;
-    };
-    only_who_passed_ = problem.blocks.empty() && counted([](const Column& c) {
-                           return c.place >= 0 && c.quantity != Quantity::InZone && c.quantity != Quantity::Passed;
-                       }) &&
-                       !counted([](const Column& c) { return c.quantity == Quantity::Passed; });
+    bool any_passed = false, any_seen = false;
+    for (std::size_t k = 0; k < measured.columns.size(); ++k) {
+        const Column& c = measured.columns[k];
+        if (c.place < 0 || c.quantity == Quantity::InZone ||
+            std::none_of(measured.values[k].begin(), measured.values[k].end(),
+                         [](double v) { return std::isfinite(v); }))
+            continue;
+        (c.quantity == Quantity::Passed ? any_passed : any_seen) = true;
+    }
+    only_who_passed_ = problem.blocks.empty() && any_seen && !any_passed;
     planned_ = kRecentrings + of_base() + settings.finalists * of_finalist();
 }
 

@@ -473,19 +473,17 @@ class Case:
             for name, v in rows:
                 table.writerow(([name] if self.ids else []) + [f"{terrains.EAST + v[1]:.2f}", f"{terrains.NORTH + terrains.WIDTH / 2:.2f}", f"EPSG:{terrains.EPSG}",
                                                               POSITION_ERROR])
-        more = "height" in self.instruments
-        crossings = []
-        for k in range(2):
-            for name, v in rows:
-                speed, height, spin = v[2 + 3 * k:5 + 3 * k]
-                if math.isfinite(speed):
-                    crossings.append([f"ES{k + 1}"] + ([name] if self.ids else []) + [f"{speed:.2f}", f"{SPEED_ERROR[0] * speed + SPEED_ERROR[1]:.2f}"]
-                                     + ([f"{height:.2f}", HEIGHT_ERROR, f"{spin:.2f}", SPIN_ERROR] if more else []))
-        if crossings:  # a table of nothing would be refused
-            with open(case / "observed" / "screen_crossings.csv", "w", newline="", encoding="utf-8") as file:
-                csv.writer(file, lineterminator="\n").writerows(
-                    [["screen"] + (["block_id"] if self.ids else []) + ["speed_ms", "speed_error_ms"]
-                     + (["height_m", "height_error_m", "spin_rads", "spin_error_rads"] if more else []), *crossings])
+        with open(case / "observed" / "screen_crossings.csv", "w", newline="", encoding="utf-8") as file:
+            table = csv.writer(file, lineterminator="\n")
+            more = "height" in self.instruments
+            table.writerow(["screen"] + (["block_id"] if self.ids else []) + ["speed_ms", "speed_error_ms"]
+                           + (["height_m", "height_error_m", "spin_rads", "spin_error_rads"] if more else []))
+            for k in range(2):
+                for name, v in rows:
+                    speed, height, spin = v[2 + 3 * k:5 + 3 * k]
+                    if math.isfinite(speed):
+                        table.writerow([f"ES{k + 1}"] + ([name] if self.ids else []) + [f"{speed:.2f}", f"{SPEED_ERROR[0] * speed + SPEED_ERROR[1]:.2f}"]
+                                       + ([f"{height:.2f}", HEIGHT_ERROR, f"{spin:.2f}", SPIN_ERROR] if more else []))
         if "impacts" not in self.instruments:
             return
         with open(case / "observed" / "impacts.csv", "w", newline="", encoding="utf-8") as file:

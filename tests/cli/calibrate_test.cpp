@@ -191,9 +191,8 @@ TEST(Calibrate, RefusesWhatCannotBeCalibrated) {
     EXPECT_THAT(refused("blocks.shape=hull"), HasSubstr("at least two choices"));
     EXPECT_THAT(refused("blocks.shape=hull,cube"), HasSubstr("cube"));
     EXPECT_THAT(refused("blocks.shape=box,eota"), HasSubstr("does not contain the choice of the site"));
-    const Outcome overlapping =
-        in_plane("calibrate", folder / "zones.csv", folder / "out",
-                 {"--free", "blocks.volume_min=0.05:5", "--free", "blocks.volume_max=2:20"});
+    const Outcome overlapping = in_plane("calibrate", folder / "zones.csv", folder / "out",
+                                         {"--free", "blocks.volume_min=0.05:5", "--free", "blocks.volume_max=2:20"});
     EXPECT_EQ(overlapping.code, 3);
     EXPECT_THAT(overlapping.err, HasSubstr("the ranges of the free parameters overlap"));
     const Outcome twice =
@@ -265,6 +264,8 @@ TEST(Sweep, RefusesBeforeAnythingIsComputed) {
     EXPECT_THAT(refused("release.height=2,,3"), HasSubstr("empty value"));
     EXPECT_THAT(refused("release.height=2,high"), HasSubstr("release.height"));
     EXPECT_THAT(refused("soil.loose waste.restitution=0,0.5,2"), HasSubstr("from 0 to 1"));
+    EXPECT_THAT(refused("screens.chainages=,more = 30"), HasSubstr("empty value"));
+    EXPECT_THAT(refused("screens.chainages=here = 20,there = 30"), HasSubstr("gives other screens"));
 }
 
 }  // namespace

@@ -3,6 +3,7 @@
 #include "gis/observation_reader.hpp"
 
 #include "gis/crs.hpp"
+#include "gis/dataset.hpp"
 #include "gis/input_files.hpp"
 #include "support/paths.hpp"
 
@@ -63,6 +64,31 @@ TEST_F(ObservationReader, ReadsATableOfStops) {
     EXPECT_TRUE(o.stops[1].censored);
     EXPECT_THAT(o.warnings, IsEmpty());
     EXPECT_THAT(o.sources[0], HasSubstr("stops.csv: 2 records, RGF93"));
+}
+
+// An outline of a block has no place of its own: refused, as its position would be lost.
+TEST_F(ObservationReader, RefusesStopsDrawnAsPolygons) {
+    VectorSpec spec;
+    spec.layer = "stopping_points";
+    spec.rows = {{"POLYGON((900010 6400010,900011 6400010,900011 6400011,900010 6400010))", "a", 1.0}};
+    const std::string file = (folder_ / "field.gpkg").string();
+    write_vector(file, spec);
+    EXPECT_THAT(error(file), HasSubstr("stopping_points"));
+}
+
+// What tells soils and screens apart is in the table of a Shapefile, not in its shapes: the account has both.
+TEST_F(ObservationReader, AllPartsOfAShapefileStandBehindIt) {
+    VectorSpec spec;
+    spec.driver = "ESRI Shapefile";
+    spec.rows = {{"POINT(900010 6400010)", "a", 1.0}};
+    const std::string file = (folder_ / "zones.shp").string();
+    write_vector(file, spec);
+    const std::vector<std::string> files = gis::files_behind(file);
+    EXPECT_EQ(files.front(), file);
+    for (const char* part : {".dbf", ".prj", ".shx"})
+        EXPECT_THAT(files, Contains((folder_ / (std::string("zones") + part)).string()));
+    const std::string table = put("table.csv", "a,b\n1,2\n");
+    EXPECT_EQ(gis::files_behind(table), std::vector<std::string>{table});
 }
 
 TEST_F(ObservationReader, UnderstandsDecimalCommasBetweenSemicolons) {
