@@ -15,14 +15,14 @@ namespace fs = std::filesystem;
 namespace {
 
 /// A warning without the folders of this machine: input files by their names.
-std::string without_folders(std::string warning, const SiteFile& site, const std::vector<std::string>& inputs) {
+std::string without_folders(std::string warning, const SiteFile& site, const std::vector<gis::InputFile>& files) {
     auto shorten = [&](const std::string& path) {
         const std::string name = fs::path(path).filename().string();
         for (auto at = warning.find(path); at != std::string::npos && path != name;
              at = warning.find(path, at + name.size()))
             warning.replace(at, path.size(), name);
     };
-    for (const std::string& input : inputs) shorten(input);
+    for (const gis::InputFile& file : files) shorten(file.path);
     shorten(site.file.string());
     return warning;
 }
@@ -58,15 +58,15 @@ std::vector<gis::ProvenanceEntry> provenance(const SiteFile& site, const SiteMod
         p.push_back({"breaks_of_blocks", std::to_string(c.breaks)});
     }
     p.push_back({"quantile_error", short_number(kQuantileError) + " relative"});
-    for (const std::string& file : model.inputs)
-        p.push_back({"sha256 " + fs::path(file).filename().string(), gis::sha256_of_input(file)});
+    for (const gis::InputFile& file : model.files)
+        p.push_back({"sha256 " + fs::path(file.path).filename().string(), file.sha256});
     SiteSettings portable = site.settings;
     portable.output_directory.clear();
     p.push_back({"settings", settings_as_toml(portable, [](const std::string& path) {
                      return fs::path(path).filename().string();
                  })});
     for (std::size_t k = 0; k < model.warnings.size(); ++k)
-        p.push_back({"warning_" + std::to_string(k + 1), without_folders(model.warnings[k], site, model.inputs)});
+        p.push_back({"warning_" + std::to_string(k + 1), without_folders(model.warnings[k], site, model.files)});
     return p;
 }
 

@@ -34,8 +34,8 @@ std::string subject_of(const SiteFile& site, const SiteModel& model, const Obser
     portable.calibration.free.clear();
     json["settings"] =
         settings_as_toml(portable, [](const std::string& path) { return fs::path(path).filename().string(); });
-    for (const std::string& file : model.inputs) json["inputs"].push_back(gis::sha256_of_input(file));
-    for (const std::string& file : observed.inputs) json["observations"].push_back(gis::sha256_of_input(file));
+    for (const gis::InputFile& file : model.files) json["inputs"].push_back(file.sha256);
+    for (const gis::InputFile& file : observed.files) json["observations"].push_back(file.sha256);
     json["parameters"] = keys.problem.parameters.size();
     return json.dump();
 }

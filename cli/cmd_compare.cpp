@@ -50,9 +50,9 @@ gis::ResultsPackage results_of(const SiteFile& site, const SiteModel& model, con
     for (gis::RasterLayer& layer : campaign_rasters(model, campaign))
         if (layer.group == "Counts") package.rasters.push_back(std::move(layer));
     package.provenance = provenance(site, model, campaign);
-    for (const std::string& file : observed.inputs)
+    for (const gis::InputFile& file : observed.files)
         package.provenance.push_back(
-            {"sha256 of observations " + fs::path(file).filename().string(), gis::sha256_of_input(file)});
+            {"sha256 of observations " + fs::path(file.path).filename().string(), file.sha256});
     const std::vector<Figure> figures = compare_figures(study, model, observed, campaign);
     for (const Figure& f : figures) package.files.push_back({"figures/" + f.file, f.svg});
     package.files.push_back({"report.html", compare_html(study, observed, campaign, figures)});

@@ -97,14 +97,14 @@ void print_summary(std::ostream& out, const SiteFile& site, const SiteTerrain& t
 }
 
 std::vector<gis::ProvenanceEntry> provenance(const SiteFile& site, const SiteTerrain& terrain,
-                                             const SiteProfiles& profiles, const std::vector<std::string>& inputs) {
+                                             const SiteProfiles& profiles, const std::vector<gis::InputFile>& files) {
     std::vector<gis::ProvenanceEntry> p = {{"program", "scree " + version()},
                                            {"site", site.settings.name},
                                            {"surface", terrain.surface_report},
                                            {"profiles", std::to_string(profiles.traces.size())},
                                            {"profiles_left_out", std::to_string(profiles.left_out)}};
-    for (const std::string& file : inputs)
-        p.push_back({"sha256 " + fs::path(file).filename().string(), gis::sha256_of_input(file)});
+    for (const gis::InputFile& file : files)
+        p.push_back({"sha256 " + fs::path(file.path).filename().string(), file.sha256});
     SiteSettings portable = site.settings;
     portable.output_directory.clear();
     p.push_back({"settings", settings_as_toml(portable, [](const std::string& path) {
@@ -113,17 +113,14 @@ std::vector<gis::ProvenanceEntry> provenance(const SiteFile& site, const SiteTer
     return p;
 }
 
-/// Each file once, in the order of reading.
-std::vector<std::string> input_files(const SiteFile& site, const SiteProfiles& profiles) {
+/// What has been read, in that order.
+std::vector<gis::InputFile> files_read(const SiteFile& site, const SiteProfiles& profiles) {
     const SiteSettings& s = site.settings;
-    std::vector<std::string> files;
-    const auto add = [&](const std::string& file) {
-        if (std::find(files.begin(), files.end(), file) == files.end()) files.push_back(file);
-    };
+    std::vector<std::string> inputs;
     for (const std::string& path : {s.dtm, s.zones.file, s.breaklines.file})
-        if (!path.empty()) add(site.resolve(path).string());
-    for (const std::string& file : profiles.inputs) add(file);
-    return gis::files_behind(files);
+        if (!path.empty()) inputs.push_back(site.resolve(path).string());
+    inputs.insert(inputs.end(), profiles.inputs.begin(), profiles.inputs.end());
+    return gis::input_files(inputs);
 }
 
 }  // namespace
@@ -152,7 +149,7 @@ ExitCode run_profile(const Context& context) {
     else
         package.vectors.push_back(input_layer(profiles.features, "profile_guides", "Guiding lines", ""));
     package.rasters = {heights_layer(terrain)};
-    package.provenance = provenance(site, terrain, profiles, input_files(site, profiles));
+    package.provenance = provenance(site, terrain, profiles, files_read(site, profiles));
     package.files.push_back({"profiles.csv", profiles_csv(profiles, terrain)});
     const gis::ProfileScene scene = scene_of(site, terrain, profiles, around);
     package.files.push_back({"profiles.svg", gis::profiles_plan(scene)});

@@ -67,12 +67,11 @@ ObservedSite with_faults(const ObservedSite& observed, std::span<const Effect> e
 
 std::vector<std::string> input_lines(const SiteModel& model, const ObservedSite& observed) {
     std::vector<std::string> lines;
-    const auto add = [&](const std::string& file, const char* what) {
-        lines.push_back(std::filesystem::path(file).filename().string() + what + ", sha256 " +
-                        gis::sha256_of_input(file));
+    const auto add = [&](const gis::InputFile& file, const char* what) {
+        lines.push_back(std::filesystem::path(file.path).filename().string() + what + ", sha256 " + file.sha256);
     };
-    for (const std::string& file : observed.inputs) add(file, " (measured)");
-    for (const std::string& file : model.inputs) add(file, "");
+    for (const gis::InputFile& file : observed.files) add(file, " (measured)");
+    for (const gis::InputFile& file : model.files) add(file, "");
     return lines;
 }
 

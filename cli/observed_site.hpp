@@ -16,7 +16,8 @@ struct ObservedSite {
     std::vector<Finding> findings;      ///< errors first
     std::string axis_text;              ///< where distance along is counted from and to, for people
     std::vector<std::string> sources;   ///< what was read, a line each
-    std::vector<std::string> inputs;    ///< files, as opened
+    std::vector<std::string> inputs;    ///< files read, as opened
+    std::vector<gis::InputFile> files;  ///< on disc behind them, as they were when read
     std::vector<std::string> warnings;  ///< of the readers
 
     bool has_errors() const { return !findings.empty() && findings.front().severity == Severity::Error; }

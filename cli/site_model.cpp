@@ -216,12 +216,7 @@ SiteModel load_site(const SiteFile& site) {
     else
         add_release_area(site, model);
     require_screens_of_effects(site, c);
-    model.inputs = gis::files_behind(model.inputs);
-    for (const std::string& file : model.inputs)
-        if (!file.starts_with("/vsi") && !std::filesystem::is_regular_file(file))
-            throw InputError(file +
-                             ": no file on disc stands behind this input, and results hold the SHA-256 of every input; "
-                             "save it as a file");
+    model.files = gis::input_files(model.inputs);
     return model;
 }
 

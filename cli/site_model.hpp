@@ -3,6 +3,7 @@
 
 #include "cli/site_profiles.hpp"
 #include "cli/site_terrain.hpp"
+#include "gis/dataset.hpp"
 #include "scree/ensemble/campaign.hpp"
 
 #include <memory>
@@ -23,6 +24,7 @@ struct SiteModel {
     std::optional<gis::VectorData> screens;
     std::optional<gis::VectorData> deposit_zones;
     std::vector<std::string> inputs;    ///< files read, as opened
+    std::vector<gis::InputFile> files;  ///< on disc behind them, as they were when read
     std::vector<std::string> warnings;  ///< of everything, in order of reading
 
     bool in_plane() const { return profiles.has_value(); }

@@ -50,6 +50,23 @@ bool shown_only(const std::string& file) {
     return file.ends_with(".ovr") || file.ends_with(".aux.xml");
 }
 
+std::string sha256_of_input(const std::string& file) {
+    if (!file.starts_with("/vsi")) {
+        if (!std::filesystem::is_regular_file(file))
+            throw InputError(file +
+                             ": no file on disc stands behind this input, and results hold the SHA-256 of every input; "
+                             "save it as a file");
+        return sha256_of_file(file);
+    }
+    const std::unique_ptr<VSILFILE, int (*)(VSILFILE*)> in(VSIFOpenL(file.c_str(), "rb"), VSIFCloseL);
+    if (!in) throw InputError(file + ": cannot be opened for reading; check that the archive exists and has the file");
+    Sha256 hash;
+    std::string buffer(std::size_t{1} << 18, '\0');
+    for (std::size_t read = 0; (read = VSIFReadL(buffer.data(), 1, buffer.size(), in.get())) > 0;)
+        hash.update({buffer.data(), read});
+    return hash.hex();
+}
+
 }  // namespace
 
 std::vector<std::string> files_behind(const std::string& input) {
@@ -78,23 +95,15 @@ std::vector<std::string> files_behind(const std::string& input) {
     return files;
 }
 
-std::vector<std::string> files_behind(const std::vector<std::string>& inputs) {
-    std::vector<std::string> all;
+std::vector<InputFile> input_files(const std::vector<std::string>& inputs) {
+    std::vector<InputFile> all;
     for (const std::string& input : inputs)
         for (std::string& file : files_behind(input))
-            if (std::find(all.begin(), all.end(), file) == all.end()) all.push_back(std::move(file));
+            if (std::none_of(all.begin(), all.end(), [&](const InputFile& f) { return f.path == file; })) {
+                std::string sha256 = sha256_of_input(file);
+                all.push_back({std::move(file), std::move(sha256)});
+            }
     return all;
-}
-
-std::string sha256_of_input(const std::string& file) {
-    if (!file.starts_with("/vsi")) return sha256_of_file(file);
-    const std::unique_ptr<VSILFILE, int (*)(VSILFILE*)> in(VSIFOpenL(file.c_str(), "rb"), VSIFCloseL);
-    if (!in) throw InputError(file + ": cannot be opened for reading; check that the archive exists and has the file");
-    Sha256 hash;
-    std::string buffer(std::size_t{1} << 18, '\0');
-    for (std::size_t read = 0; (read = VSIFReadL(buffer.data(), 1, buffer.size(), in.get())) > 0;)
-        hash.update({buffer.data(), read});
-    return hash.hex();
 }
 
 void DatasetCloser::operator()(GDALDataset* dataset) const {

@@ -25,9 +25,15 @@ DatasetPtr open_dataset(const std::string& file, DatasetKind kind, const std::st
 /// The files on disc behind an input: of a Shapefile its parts, of a virtual raster its sources, of a folder what lies in it, else the file itself.
 /// Without overviews and the statistics (.aux.xml) that a GIS writes beside a raster when it shows it.
 std::vector<std::string> files_behind(const std::string& input);
-/// Of several inputs, each file once, in their order.
-std::vector<std::string> files_behind(const std::vector<std::string>& inputs);
-/// SHA-256 of one of them, as sha256sum prints it; also of files that GDAL reads out of an archive. Throws InputError where it cannot be read.
-std::string sha256_of_input(const std::string& file);
+
+/// A file that was read, and the SHA-256 that it had then, as sha256sum prints it.
+struct InputFile {
+    std::string path;
+    std::string sha256;
+};
+
+/// The files behind several inputs, each once, in their order, hashed now: to be asked for when they are read, for a file may change before results are
+/// written. Also of files that GDAL reads out of an archive. Throws InputError where there is no file on disc.
+std::vector<InputFile> input_files(const std::vector<std::string>& inputs);
 
 }  // namespace scree::gis

@@ -7,6 +7,7 @@
 #include "cli/program.hpp"
 #include "cli/site_file.hpp"
 #include "cli/site_model.hpp"
+#include "gis/sha256.hpp"
 #include "support/paths.hpp"
 
 #include <gmock/gmock.h>
@@ -48,6 +49,22 @@ TEST(ObservedSite, APoolOfCrossingsIsThrownAsOftenAsItTells) {
     const FreeKeys keys = read_free_keys(site, {"soil.loose waste.rolling=0.02:0.08"});
     const CampaignResult twice = FieldTest(site, model, observed, keys, 1).run(site, 1, 2);
     EXPECT_EQ(std::ssize(twice.blocks), 2 * blocks_of(observed));
+}
+
+// A file may be edited while a simulation runs: the account has what was read.
+TEST(ObservedSite, FilesAreHashedWhenTheyAreRead) {
+    const test::TempDir folder;
+    const fs::path table = folder / "screen_crossings.csv";
+    test::put(table, crossings_of_riddle());
+    const std::string read = gis::sha256_of_file(table);
+    const SiteFile site = read_site_file(riddle() / "site.toml", {});
+    const SiteModel model = load_site(site);
+    const ObservedSite observed = load_observed(site, model, folder.path().string());
+    test::put(table, "edited");
+    const std::vector<std::string> lines = input_lines(model, observed);
+    ASSERT_GT(lines.size(), 2u);
+    EXPECT_EQ(lines.front(), "screen_crossings.csv (measured), sha256 " + read);
+    for (const gis::InputFile& file : model.files) EXPECT_EQ(file.sha256, gis::sha256_of_file(file.path));
 }
 
 // Innovations go from screen to screen: the order is that of the path, whatever that of the layer.
