@@ -91,7 +91,7 @@ std::vector<std::size_t> by_size(const Eigen::VectorXd& values) {
 }
 
 /// ": mean 9.8 measured, 12.4 simulated [m/s]" of a column that is an observable. Residuals count after the parameters have fitted the rest as well as they
-/// can: where that turns the sign round, the calibrated model's own numbers would contradict the sentence.
+/// can: where that turns the sign round, or raises what is within one standard error of the mean, the calibrated model's own numbers would contradict the sentence.
 std::string in_units(const DiagnoseStudy& study, const Column& column, bool more) {
     for (const ComparedObservable& o : study.before.observables) {
         if (o.gap.observable.columns.size() != 1 || o.gap.observable.columns.front() != column) continue;
@@ -99,7 +99,10 @@ std::string in_units(const DiagnoseStudy& study, const Column& column, bool more
         if (!share && o.measured.empty()) continue;
         const double measured = share ? 100.0 * o.measured_share.share() : o.measured_summary.mean,
                      simulated = share ? 100.0 * o.simulated_share.share() : o.simulated_summary.mean;
-        if ((measured > simulated) != more) return ", once the parameters fit the rest";
+        const double deviation = share ? std::sqrt(simulated * (100.0 - simulated)) : o.measured_summary.deviation,
+                     count = share ? static_cast<double>(o.measured_share.of) : static_cast<double>(o.measured.size());
+        const double difference = more ? measured - simulated : simulated - measured;
+        if (!(difference > deviation / std::sqrt(count))) return ", once the parameters fit the rest";
         return share ? ": " + short_number(measured) + " % measured, " + short_number(simulated) + " % simulated"
                      : ": mean " + short_number(measured) + " measured, " + short_number(simulated) + " simulated [" +
                            o.unit + "]";

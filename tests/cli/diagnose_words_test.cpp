@@ -14,6 +14,7 @@ namespace {
 using testing::Contains;
 using testing::HasSubstr;
 using testing::Not;
+using testing::StartsWith;
 
 /// A rejected model with finalists of these weights, the first of which leaves what its own simulations leave with the chance p.
 DiagnoseStudy unknown(const std::vector<double>& weights, double p) {
@@ -68,6 +69,30 @@ TEST(DiagnoseWords, WhereTheThirdDimensionIsNearest3DSaysMore) {
     EXPECT_THAT(
         diagnose_remarks(study),
         Contains(HasSubstr("confirm with model.dimension = 3, which also looks for what acts beside the third")));
+}
+
+// Residuals count once the parameters fit the rest: means that are equal, or the other way round, say something else.
+TEST(DiagnoseWords, MeansAreToldWhereTheySayWhatTheResidualSays) {
+    DiagnoseStudy study = unknown({0.9}, 0.3);
+    const Column speed{Quantity::Speed, 0};
+    study.screens = {"ES1"};
+    study.diagnosis.residuals.push_back({ResidualKind::Level, speed, {}});
+    study.diagnosis.score.standardised = Eigen::VectorXd::Constant(1, 3.85);
+    study.diagnosis.test.residual_p = Eigen::VectorXd::Constant(1, 0.004);
+    ComparedObservable& o = study.before.observables.emplace_back();
+    o.gap.observable.columns = {speed};
+    o.unit = "m/s";
+    o.measured.assign(25, 5.0);
+    o.measured_summary = {5.0, 2.0, {}};  // a standard error of 0.4
+    const auto sentence_with = [&](double simulated) {
+        o.simulated_summary.mean = simulated;
+        return where_sentences(study).front();
+    };
+    const std::string parameters = "speed at ES1 is larger than simulated, once the parameters fit the rest (3.85";
+    EXPECT_THAT(sentence_with(5.5), StartsWith(parameters));
+    EXPECT_THAT(sentence_with(4.7), StartsWith(parameters));
+    EXPECT_THAT(sentence_with(4.5),
+                StartsWith("speed at ES1 is larger than simulated: mean 5 measured, 4.5 simulated [m/s] (3.85"));
 }
 
 TEST(DiagnoseWords, ANameThatWasTakenBack) {
