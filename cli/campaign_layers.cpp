@@ -275,14 +275,18 @@ gis::VectorLayer deposit_zones(const SiteModel& model, const CampaignResult& res
     return layer;
 }
 
+/// Model and result must outlive the layer, which is filled when it is written.
 template <class Value>
 gis::RasterLayer raster(const SiteModel& model, const CampaignResult& result, Value value) {
     gis::RasterLayer layer;
-    layer.values = Grid<float>(model.campaign.result_cells, std::numeric_limits<float>::quiet_NaN());
-    for (const auto& [cell, statistics] : result.cells) {
-        const double v = value(statistics);
-        if (std::isfinite(v)) layer.values.values[cell] = static_cast<float>(v);
-    }
+    layer.make_values = [&model, &result, value] {
+        Grid<float> values(model.campaign.result_cells, std::numeric_limits<float>::quiet_NaN());
+        for (const auto& [cell, statistics] : result.cells) {
+            const double v = value(statistics);
+            if (std::isfinite(v)) values.values[cell] = static_cast<float>(v);
+        }
+        return values;
+    };
     return layer;
 }
 
@@ -345,9 +349,10 @@ std::vector<gis::VectorLayer> campaign_vectors(const SiteModel& model, const Cam
 
 gis::RasterLayer reach_probability_raster(const SiteModel& model, const CampaignResult& result) {
     const double released = static_cast<double>(std::max<std::int64_t>(result.released, 1));
-    gis::RasterLayer layer = counts(
-        model, result, "reach_probability", "Reach probability", "share of the blocks thrown that crossed the cell",
-        RasterTheme::Probability, [&](const CellStatistics& c) { return static_cast<double>(c.passages) / released; });
+    gis::RasterLayer layer =
+        counts(model, result, "reach_probability", "Reach probability",
+               "share of the blocks thrown that crossed the cell", RasterTheme::Probability,
+               [released](const CellStatistics& c) { return static_cast<double>(c.passages) / released; });
     layer.visible = true;
     return layer;
 }
@@ -365,8 +370,8 @@ std::vector<gis::RasterLayer> campaign_rasters(const SiteModel& model, const Cam
     for (const QuantityInfo& q : kQuantities) {
         const auto k = static_cast<std::size_t>(q.quantity);
         auto add = [&](const std::string& suffix, const std::string& words, auto value) {
-            gis::RasterLayer layer = raster(model, result, [&](const CellStatistics& c) {
-                return c.passages > 0 ? q.factor * value(c.quantities[k], c.passages) : kNaN;
+            gis::RasterLayer layer = raster(model, result, [k, value, factor = q.factor](const CellStatistics& c) {
+                return c.passages > 0 ? factor * value(c.quantities[k], c.passages) : kNaN;
             });
             layer.name = std::string(q.name) + "_" + suffix;
             layer.title = std::string(q.title) + ", " + words;

@@ -39,6 +39,8 @@ struct RasterLayer {
     RasterTheme theme = RasterTheme::Generic;
     bool visible = false;  ///< switched on when the project opens
     Grid<float> values{};  ///< row 0 in the SOUTH; NaN: no value; in `unit` [*]
+    std::function<Grid<float>()>
+        make_values{};  ///< fills `values` when results are written: of two dozen rasters one is in memory at a time
 };
 
 /// One line of the account of how a result came about: the settings as text, a version, the seed, an input file's SHA-256, a count.

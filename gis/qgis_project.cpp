@@ -92,7 +92,7 @@ ProjectLayer vector_entry(const VectorLayer& layer, const WrittenLayer& written)
     return out;
 }
 
-ProjectLayer raster_entry(const LocalFrame& frame, const RasterLayer& layer) {
+ProjectLayer raster_entry(const LocalFrame& frame, const RasterLayer& layer, const WrittenRaster& written) {
     ProjectLayer out;
     out.id = "raster_" + layer.name;
     out.title = layer_title(layer, layer.name);
@@ -100,11 +100,11 @@ ProjectLayer raster_entry(const LocalFrame& frame, const RasterLayer& layer) {
     out.group = layer.group;
     out.source = "./rasters/" + layer.name + ".tif";
     out.provider = "gdal";
-    out.style = raster_qgis_style(layer);
+    out.style = written.style;
     out.attributes = " type=\"raster\"";
     const Vec2 shift(frame.easting, frame.northing);
-    out.extent.add(layer.values.shape.bounds().min + shift);
-    out.extent.add(layer.values.shape.bounds().max + shift);
+    out.extent.add(written.extent.min + shift);
+    out.extent.add(written.extent.max + shift);
     out.visible = layer.visible;
     out.expanded = layer.visible && layer.theme != RasterTheme::Terrain;
     return out;
@@ -170,10 +170,12 @@ Box2 view_extent(std::span<const ProjectLayer> layers) {
 }  // namespace
 
 std::string qgis_project(const LocalFrame& frame, const std::string& title, std::span<const VectorLayer> vectors,
-                         std::span<const WrittenLayer> written, std::span<const RasterLayer> rasters) {
+                         std::span<const WrittenLayer> written, std::span<const RasterLayer> rasters,
+                         std::span<const WrittenRaster> written_rasters) {
     std::vector<ProjectLayer> layers;
     for (std::size_t i = 0; i < vectors.size(); ++i) layers.push_back(vector_entry(vectors[i], written[i]));
-    for (const RasterLayer& raster : rasters) layers.push_back(raster_entry(frame, raster));
+    for (std::size_t k = 0; k < rasters.size(); ++k)
+        layers.push_back(raster_entry(frame, rasters[k], written_rasters[k]));
 
     const std::string srs = srs_xml(frame);
     std::string out =

@@ -2,7 +2,6 @@
 #include "gis/raster_writer.hpp"
 
 #include "gis/output_scope.hpp"
-#include "gis/qml.hpp"
 #include "gis/vector_writer.hpp"
 #include "gis/xml.hpp"
 #include "scree/base/error.hpp"
@@ -142,7 +141,7 @@ void copy_to(const char* format, const std::filesystem::path& file, GDALDataset&
 
 }  // namespace
 
-void write_geotiff(const std::filesystem::path& tif, const LocalFrame& frame, const RasterLayer& layer) {
+WrittenRaster write_geotiff(const std::filesystem::path& tif, const LocalFrame& frame, const RasterLayer& layer) {
     check_raster(layer);
     const OutputScope scope;
     const SpatialReference srs = spatial_reference(frame);
@@ -164,10 +163,12 @@ void write_geotiff(const std::filesystem::path& tif, const LocalFrame& frame, co
 
     std::filesystem::path qml = tif;
     qml.replace_extension(".qml");
+    WrittenRaster written{raster_qgis_style(layer), layer.values.shape.bounds()};
     std::ofstream out(qml, std::ios::binary);
-    out << qml_document(raster_qgis_style(layer));
+    out << qml_document(written.style);
     if (!out.flush())
         throw ComputeError(qml.string() + ": the style could not be stored; check that the disc has room");
+    return written;
 }
 
 void append_coverage(const std::filesystem::path& geopackage, const LocalFrame& frame, const RasterLayer& layer) {

@@ -60,13 +60,15 @@ void write_into(ResultsFolder& results, const ResultsPackage& package) {
     // GDAL wants the vectors of a GeoPackage before its rasters
     const std::vector<WrittenLayer> written = write_vector_layers(geopackage, package.frame, package.vectors);
     if (!package.rasters.empty()) fs::create_directory(results.path() / "rasters");
-    for (const RasterLayer& raster : package.rasters) {
+    std::vector<WrittenRaster> rasters;
+    for (RasterLayer raster : package.rasters) {
+        if (raster.make_values) raster.values = raster.make_values();
         append_coverage(geopackage, package.frame, raster);
-        write_geotiff(results.path() / "rasters" / (raster.name + ".tif"), package.frame, raster);
+        rasters.push_back(write_geotiff(results.path() / "rasters" / (raster.name + ".tif"), package.frame, raster));
     }
     write_geopackage_tables(geopackage, package.title, package.vectors, written, package.provenance);
     write_text(results.path() / "results.qgs",
-               qgis_project(package.frame, package.title, package.vectors, written, package.rasters));
+               qgis_project(package.frame, package.title, package.vectors, written, package.rasters, rasters));
     for (const TextFile& file : package.files) {
         fs::create_directories((results.path() / file.name).parent_path());
         write_text(results.path() / file.name, file.text);
