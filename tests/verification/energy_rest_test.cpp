@@ -251,6 +251,19 @@ TEST_P(Rest, NotBeyondACrest) {
     }
 }
 
+// A block that stands in a valley on its tip touches two facets with one vertex: both hold it.
+TEST_P(Rest, OnATipInAValley) {
+    const auto surface = grid_terrain(8.0, 1.0, [](double, double y) { return std::abs(y); });
+    const FramedBlock body({{0.5, 0, 0}, {-0.5, 0, 0}, {0, 0.3, 0}, {0, -0.3, 0}, {0, 0, 0.5}, {0, 0, -0.5}}, 300.0);
+    BlockState<3> release;
+    release.position = {0.3, 0.0, 0.5 + 1e-4};
+    release.velocity = {0.0, 0.0, -0.5};
+    const TrajectoryEnd<3> end = HullMechanics{body.block, *surface, {Soil{"rock", 0.0, 0.9, 0.2}}, settings()}.until(
+        1.0, body.to_block(release));
+    EXPECT_EQ(end.reason, StopReason::AtRest);
+    EXPECT_LT((end.state.position - release.position).norm(), 1e-3);
+}
+
 // Blocks that roll along the rim of the terrain end there or go on, but never meet the ground from the side.
 TEST(Rim, BlocksDoNotEnterTheGroundFromTheSide) {
     const auto surface =
