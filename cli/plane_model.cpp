@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "cli/plane_model.hpp"
 
+#include "cli/text.hpp"
 #include "scree/base/error.hpp"
 
 #include <algorithm>
@@ -16,6 +17,18 @@ namespace {
 std::string trimmed(const std::string& text) {
     const auto first = text.find_first_not_of(" \t"), last = text.find_last_not_of(" \t");
     return first == std::string::npos ? "" : text.substr(first, last - first + 1);
+}
+
+/// Cells of the curves along all profiles: beyond, neither memory nor a table holds them [-].
+constexpr double kMostCurveCells = 1e7;
+
+void require_few_cells(const CampaignInput& c) {
+    double cells = 0.0;
+    for (const ProfileTrack& track : c.tracks) cells += std::ceil(track.profile.length() / c.cell_along);
+    if (cells > kMostCurveCells)
+        throw InputError("output.resolution = " + short_number(c.cell_along) + " m gives " + short_number(cells) +
+                         " result cells along the profiles, more than the 10 million that are allowed; choose a "
+                         "coarser one");
 }
 
 void require_whole_profiles(const SiteFile& site, const SiteProfiles& profiles) {
@@ -147,6 +160,7 @@ void add_profiles(const SiteFile& site, SiteModel& model) {
         lines.push_back(trace.profile);
     }
     c.cell_along = s.result_resolution > 0.0 ? s.result_resolution : model.terrain.data.grid.shape.cell;
+    require_few_cells(c);
     if (c.population.list.empty()) c.population.filling = mean_filling(c.population.shape);
     try {
         model.profile_release = std::make_unique<ProfileRelease>(model.release.layer, lines, s.releases.pattern,

@@ -213,6 +213,9 @@ TEST(Plane, SaysWhatDoesNotSuit) {
     const Outcome four = check_2d({"model.dimension=4"});
     EXPECT_EQ(four.code, 3);
     EXPECT_THAT(four.err, HasSubstr("model.dimension = 4 is not allowed"));
+    const Outcome fine = check_2d({"output.resolution=1e-6"});
+    EXPECT_EQ(fine.code, 3);
+    EXPECT_THAT(fine.err, HasSubstr("result cells along the profiles, more than the 10 million that are allowed"));
 }
 
 // Blocks would end where their profile is cut off.
