@@ -191,6 +191,7 @@ def main():
     print("wrong name where nothing is hidden          ", rate(lambda c: c["tier"] == 5, wrong))
     print("wrong name, all cases                       ", rate(lambda c: True, wrong))
     print("a single printed name is right              ", rate(single, lambda c: c["right"]))
+    print("  where the catalogue has what was hidden   ", rate(lambda c: single(c) and c["tier"] != 3, lambda c: c["right"]))
     print("truth among the names, where any are printed", rate(lambda c: c["tier"] in (0, 1, 6) and c["names"], lambda c: c["right"]))
     for words, instruments in (("stops and speeds", "stops+speed"), ("heights, spins", "stops+speed+height+spin"),
                                ("heights, spins, impacts", "stops+speed+height+spin+impacts")):
