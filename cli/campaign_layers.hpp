@@ -3,14 +3,13 @@
 
 #include "cli/site_model.hpp"
 #include "gis/layers.hpp"
+#include "scree/base/units.hpp"
 #include "scree/ensemble/campaign.hpp"
 
 #include <string>
 #include <vector>
 
 namespace scree::cli {
-
-inline constexpr double kJoulePerKj = 1000.0;
 
 /// A quantity of the cells with its name, unit and factor from SI.
 struct QuantityInfo {

@@ -134,6 +134,7 @@ ExitCode run_profile(const Context& context) {
     const SiteTerrain terrain = load_terrain(site);
     SiteProfiles profiles = trace_site_profiles(site, terrain);
     const Surroundings around = read_surroundings(site, terrain, profiles);
+    const std::vector<gis::InputFile> files = files_read(site, profiles);
     std::vector<std::string> warnings = terrain.data.warnings();
     warnings.insert(warnings.end(), profiles.warnings.begin(), profiles.warnings.end());
     print_warnings(context, warnings);
@@ -149,7 +150,7 @@ ExitCode run_profile(const Context& context) {
     else
         package.vectors.push_back(input_layer(profiles.features, "profile_guides", "Guiding lines", ""));
     package.rasters = {heights_layer(terrain)};
-    package.provenance = provenance(site, terrain, profiles, files_read(site, profiles));
+    package.provenance = provenance(site, terrain, profiles, files);
     package.files.push_back({"profiles.csv", profiles_csv(profiles, terrain)});
     const gis::ProfileScene scene = scene_of(site, terrain, profiles, around);
     package.files.push_back({"profiles.svg", gis::profiles_plan(scene)});

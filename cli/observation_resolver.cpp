@@ -15,8 +15,8 @@ namespace scree::cli {
 
 namespace {
 
-constexpr double kJoulePerKj = 1000.0;
 constexpr std::size_t kListed = 4;  // offenders that a sentence names [-]
+
 /// "A, B and 3 more".
 std::string listed(const std::set<std::string>& names) {
     std::string text;
@@ -103,6 +103,16 @@ private:
         result_.findings.push_back({severity, check, std::move(sentence)});
     }
 
+    /// Names of places that the site does not have; `section` is where it could.
+    void report_unknown(const char* check, const std::string& places, const std::string& section,
+                        const std::set<std::string>& unknown, const std::vector<std::string>& names) {
+        if (unknown.empty()) return;
+        const std::set<std::string> known(names.begin(), names.end());
+        find(Severity::Error, check,
+             "the observations name " + places + " that the site does not have (" + listed(unknown) + "); it has " +
+                 (known.empty() ? "none: add [" + section + "] to the site file" : listed(known)));
+    }
+
     void name_places() {
         for (const Screen& screen : model_.campaign.screens)
             result_.op.screen_of.push_back(index_of(result_.op.screens, screen.name));
@@ -166,11 +176,7 @@ private:
             else
                 result_.observations.crossings.push_back(c);
         }
-        if (unknown.empty()) return;
-        const std::set<std::string> known(result_.op.screens.begin(), result_.op.screens.end());
-        find(Severity::Error, "unknown_screen",
-             "the observations name screens that the site does not have (" + listed(unknown) + "); it has " +
-                 (known.empty() ? "none: add [screens] to the site file" : listed(known)));
+        report_unknown("unknown_screen", "screens", "screens", unknown, result_.op.screens);
     }
 
     /// As what screens see that stand where an impact begins and ends.
@@ -202,11 +208,7 @@ private:
             else
                 result_.observations.shares.push_back({r.row, zone, r.count, r.thrown});
         }
-        if (unknown.empty()) return;
-        const std::set<std::string> known(result_.op.zones.begin(), result_.op.zones.end());
-        find(Severity::Error, "unknown_zone",
-             "the observations name deposit zones that the site does not have (" + listed(unknown) + "); it has " +
-                 (known.empty() ? "none: add [deposit_zones] to the site file" : listed(known)));
+        report_unknown("unknown_zone", "deposit zones", "deposit_zones", unknown, result_.op.zones);
     }
 
     void add_releases() {

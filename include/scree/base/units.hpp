@@ -15,6 +15,9 @@ namespace scree {
 /// Standard gravity [m/s^2] (CGPM 1901).
 inline constexpr double kStandardGravity = 9.80665;
 
+/// Energy in files from that inside [J/kJ].
+inline constexpr double kJoulePerKj = 1000.0;
+
 inline constexpr double radians_from_degrees(double degrees) {
     return degrees * std::numbers::pi / 180.0;
 }
