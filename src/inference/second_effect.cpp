@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "inference/second_effect.hpp"
 
+#include <algorithm>
+
 namespace scree {
 
 namespace {
@@ -36,44 +38,90 @@ DiagnosisSimulation with_effect(const DiagnosisSimulation& simulate, const Effec
     };
 }
 
+/// Of the finalists the one whose simulations leave least; none: not a finalist.
+EffectFinding leaving_least(const std::vector<EffectFinding>& findings) {
+    EffectFinding best;
+    for (const EffectFinding& f : findings)
+        if (f.finalist && (!best.finalist || f.misfit < best.misfit)) best = f;
+    return best;
+}
+
+/// Still there with the other one beside it.
+bool acts(double share, double deviation) {
+    return share >= kLeastStrength && share >= kSure * deviation;
+}
+
+/// The first effect as the diagnosis beside it leaves it: its share of the largest strength is the last parameter there.
+EffectFinding as_left(EffectFinding first, double most, std::vector<double> parameters, double deviation) {
+    first.strength = most * parameters.back();
+    first.strength_deviation = most * deviation;
+    parameters.pop_back();
+    first.parameters = std::move(parameters);
+    return first;
+}
+
+/// The first effect suffices alone where nothing is missing beside it.
+bool answer_with_one(const EffectFinding& first, double most, const Diagnosis& beside,
+                     const DiagnosisSettings& settings, Diagnosis& d) {
+    const double deviation = first.strength_deviation / most;
+    if (beside.verdict != Verdict::None || first.weight < settings.named || !acts(beside.parameters.back(), deviation))
+        return false;
+    d.answer = {as_left(first, most, beside.parameters, deviation)};
+    d.answer.front().p = beside.test.p;
+    return true;
+}
+
+/// What was found beside the first effect, or came nearest there and leaves less than that alone; else not a finalist.
+EffectFinding second_beside(const EffectFinding& first, const Diagnosis& beside) {
+    EffectFinding second;
+    if (beside.answer.size() == 1)
+        second = beside.answer.front();
+    else if (beside.verdict == Verdict::Unknown)
+        second = leaving_least(beside.findings);
+    if (!(second.misfit < first.misfit)) return {};
+    second.parameters.pop_back();
+    return second;
+}
+
+bool answer_with_two(const EffectFinding& one, double most, const Diagnosis& beside, Diagnosis& d) {
+    if (beside.answer.size() != 1) return false;
+    EffectFinding other = beside.answer.front();
+    const double deviation = other.parameter_deviation.back();
+    if (!acts(other.parameters.back(), deviation)) return false;
+    d.answer = {as_left(one, most, other.parameters, deviation)};
+    d.answer.front().p = other.p;
+    d.answer.front().weight = other.weight;
+    d.answer.front().misfit = other.misfit;
+    other.parameters = d.answer.front().parameters;
+    d.answer.push_back(std::move(other));
+    d.together = true;
+    return true;
+}
+
 }  // namespace
 
 bool explain_with_two(const DiagnosisProblem& problem, const DiagnosisSimulation& simulate,
                       const DiagnosisSettings& settings, const DiagnosisOfOne& diagnose_one, Diagnosis& d) {
-    EffectFinding first;
-    for (const EffectFinding& f : d.findings)
-        if (f.finalist && (!first.finalist || f.misfit < first.misfit)) first = f;
+    const auto most = [&](const EffectFinding& f) { return problem.effects[f.effect].variants[f.variant].most; };
+    const auto beside = [&](const EffectFinding& f) {
+        Diagnosis more = diagnose_one(with_effect(problem, f), with_effect(simulate, f, most(f)));
+        d.simulated_blocks += more.simulated_blocks;
+        return more;
+    };
+    const EffectFinding first = leaving_least(d.findings);
     if (!first.finalist || d.findings.front().p > settings.rejected) return true;
-    const double most = problem.effects[first.effect].variants[first.variant].most;
-    const Diagnosis more = diagnose_one(with_effect(problem, first), with_effect(simulate, first, most));
-    if (more.interrupted) return false;
-    d.simulated_blocks += more.simulated_blocks;
-    const bool alone = more.verdict == Verdict::None && first.weight >= settings.named;
-    const bool pair =
-        (more.verdict == Verdict::Named || more.verdict == Verdict::DataProblem) && more.answer.size() == 1;
-    if (!alone && !pair) return true;
-    std::vector<double> parameters = pair ? more.answer.front().parameters : more.parameters;
-    const double share = parameters.back();
-    const double deviation = pair ? more.answer.front().parameter_deviation.back() : first.strength_deviation / most;
-    if (share < kLeastStrength || share < kSure * deviation) return true;
-    first.strength_deviation = most * deviation;
-    parameters.pop_back();
-    first.strength = most * share;
-    first.parameters = parameters;
-    first.p = more.test.p;
-    d.answer = {first};
-    if (pair) {
-        EffectFinding second = more.answer.front();
-        second.parameters = parameters;
-        d.answer.front().p = second.p;
-        d.answer.front().weight = second.weight;
-        d.answer.front().misfit = second.misfit;
-        d.answer.push_back(std::move(second));
+    const Diagnosis beside_first = beside(first);
+    if (beside_first.interrupted) return false;
+    bool answered = answer_with_one(first, most(first), beside_first, settings, d);
+    const EffectFinding second = answered ? EffectFinding() : second_beside(first, beside_first);
+    if (second.finalist) {
+        const Diagnosis beside_second = beside(second);
+        if (beside_second.interrupted) return false;
+        answered = answer_with_two(second, most(second), beside_second, d);
     }
-    d.together = pair;
-    d.verdict = Verdict::DataProblem;
-    for (const EffectFinding& f : d.answer)
-        if (!problem.effects[f.effect].measurement) d.verdict = Verdict::Named;
+    if (!answered) return true;
+    const auto measurement = [&](const EffectFinding& f) { return problem.effects[f.effect].measurement; };
+    d.verdict = std::all_of(d.answer.begin(), d.answer.end(), measurement) ? Verdict::DataProblem : Verdict::Named;
     return true;
 }
 

@@ -48,7 +48,7 @@ ObservationTable throw_blocks(const std::vector<ObservedBlock>& blocks, const Di
     std::array<double, kEffects> dose{};
     Stretch held_on;
     for (const EffectDose& d : task.effects) {
-        dose[d.effect] = d.strength;
+        dose[d.effect] += d.strength;
         if (d.effect == kHeldBack) held_on = *d.on;
     }
     const auto held_until = [&](double place) { return std::clamp(place - held_on.from, 0.0, held_on.length()); };
@@ -362,7 +362,7 @@ TEST(Diagnosis, FindsWhereAnEffectActs) {
     const DiagnosisProblem problem = problem_for(blocks, effects);
     const Stretch hidden{39.5, 43.5};  // the strips of the first look end at 30, 45 and 60 m
     int best = 0, wrong = 0, near = 0, covered = 0;
-    for (std::uint64_t k = 0; k < 20; ++k) {
+    for (std::uint64_t k = 0; k < 12; ++k) {
         const ObservationTable table = measured(blocks, 700 + k, {{kHeldBack, 0, 7.0, hidden}});
         const Diagnosis d = diagnosis_of(blocks, problem, table, k);
         wrong += d.verdict == Verdict::Named && d.answer.front().effect != kHeldBack;
@@ -374,10 +374,10 @@ TEST(Diagnosis, FindsWhereAnEffectActs) {
         near += error < 2.5;
         covered += error < 1.96 * f.middle_deviation;
     }
-    EXPECT_GE(best, 14);  // 9 of 10 in the mean: 13 or fewer in one case of 80
+    EXPECT_GE(best, 8);  // 9 of 10 in the mean: 7 or fewer in one case of 200
     EXPECT_LE(wrong, 1);
     EXPECT_GE(2 * near, best);     // 7 of 10
-    EXPECT_GE(covered, best - 3);  // 95 %
+    EXPECT_GE(covered, best - 2);  // 95 %
 }
 
 TEST(Diagnosis, DISABLED_StatisticsOfPlaces) {
@@ -417,7 +417,7 @@ TEST(Diagnosis, NamesTwoEffectsThatActTogether) {
     DiagnosisProblem without_pairs = problem;
     for (CandidateEffect& e : without_pairs.effects) e.second_beside = false;
     int both = 0, wrong = 0;
-    for (std::uint64_t k = 0; k < 10; ++k) {
+    for (std::uint64_t k = 0; k < 5; ++k) {
         const ObservationTable table = measured(blocks, 600 + k, {{kMassTrend, 0, 4.0}, {kSpeedBias, 0, 3.0}});
         const Diagnosis d = diagnosis_of(blocks, problem, table, k);
         for (const EffectFinding& f : d.answer) wrong += f.effect != kMassTrend && f.effect != kSpeedBias;
@@ -428,14 +428,50 @@ TEST(Diagnosis, NamesTwoEffectsThatActTogether) {
         EXPECT_EQ(d.answer.front().parameters, d.answer.back().parameters);
         ++both;
         for (const EffectFinding& f : d.answer) EXPECT_NEAR(f.strength, f.effect == kMassTrend ? 4.0 : 3.0, 2.5);
-        if (both > 2) continue;
+        if (both > 1) continue;
         const Diagnosis alone = diagnosis_of(blocks, without_pairs, table, k);
         EXPECT_EQ(alone.verdict, Verdict::Unknown);
         EXPECT_TRUE(alone.answer.empty());
         EXPECT_TRUE(alone.findings.front().finalist);
         EXPECT_LT(alone.simulated_blocks, d.simulated_blocks);
     }
-    EXPECT_GE(both, 6);
+    EXPECT_GE(both, 3);
+    EXPECT_EQ(wrong, 0);
+}
+
+// A first effect that moves everything the right way, and something else with it, leaves less than either of the two that act and is in the way of both. What comes
+// nearest beside it is one of them, and the other is found beside that. The friend and the first found beside it look like an answer, too.
+TEST(Diagnosis, FindsTwoEffectsWhereAThirdComesNearestAlone) {
+    const auto blocks = blocks_of_test();
+    std::vector<CandidateEffect> effects = all_effects();
+    const std::size_t false_friend = effects.size();
+    effects.push_back({"false friend", false, {{"", 2.0}}});
+    const DiagnosisProblem problem = problem_for(blocks, effects);
+    const auto simulate = [&](const DiagnosisTask& t) {
+        DiagnosisTask made = t;
+        made.effects.clear();
+        for (const EffectDose& d : t.effects) {
+            if (d.effect != false_friend) {
+                made.effects.push_back(d);
+                continue;
+            }
+            made.effects.push_back({kMassTrend, 0, 1.0 * d.strength});
+            made.effects.push_back({kSpeedBias, 0, 2.0 * d.strength});
+            made.effects.push_back({kDepositAt50, 0, 2.5 * d.strength});
+        }
+        return std::optional(throw_blocks(blocks, made));
+    };
+    int both = 0, wrong = 0, friends = 0;
+    for (std::uint64_t k = 0; k < 5; ++k) {
+        const ObservationTable table = measured(blocks, 700 + k, {{kMassTrend, 0, 5.0}, {kSpeedBias, 0, 4.0}});
+        const Diagnosis d = diagnose(problem, table, quick(k), simulate, {});
+        friends += d.findings.front().effect == false_friend;
+        if (!d.together) continue;
+        ++both;
+        for (const EffectFinding& f : d.answer) wrong += f.effect == false_friend;
+    }
+    EXPECT_GE(friends, 4);
+    EXPECT_GE(both, 2);
     EXPECT_EQ(wrong, 0);
 }
 
@@ -462,7 +498,7 @@ TEST(Diagnosis, SaysUnknownWhereTheHiddenEffectIsNotInTheCatalogue) {
     const DiagnosisProblem problem =
         problem_for(blocks, {effects[kSpeedCap], effects[kDepositAt50], effects[kSpeedBias]});
     int wrong = 0, detected = 0;
-    for (std::uint64_t k = 0; k < 15; ++k) {
+    for (std::uint64_t k = 0; k < 10; ++k) {
         const ObservationTable table = measured(blocks, 200 + k, {{kMassTrend, 0, 3.5}});
         const Diagnosis d = diagnose(problem, table, quick(k),
                                      [&](const DiagnosisTask& t) {
@@ -475,7 +511,7 @@ TEST(Diagnosis, SaysUnknownWhereTheHiddenEffectIsNotInTheCatalogue) {
         detected += d.verdict != Verdict::None;
         wrong += d.verdict == Verdict::Named || d.verdict == Verdict::DataProblem;
     }
-    EXPECT_GE(detected, 9);  // by the omnibus test alone
+    EXPECT_GE(detected, 6);  // by the omnibus test alone
     EXPECT_LE(wrong, 1);
 }
 
