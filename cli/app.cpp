@@ -120,9 +120,12 @@ void add_options(CLI::App& sub, const Command& command, Context& context) {
             ->type_name("OBS")
             ->required(name != "diagnose");
     if (name == "calibrate" || name == "diagnose") {
-        sub.add_option("--free", context.free,
-                       "A key with its range, soil.NAME.rolling=0.01:0.1 (:log searches by ratios), or with choices, "
-                       "blocks.shape=hull,box (repeatable; default: calibration.free of the site file)")
+        sub.add_option(
+               "--free", context.free,
+               "A key with its range, soil.NAME.rolling=0.01:0.1 (:log searches by ratios), or with choices, "
+               "blocks.shape=hull,box (repeatable; default: calibration.free of the site file" +
+                   std::string(name == "diagnose" ? "; without it restitution, friction and rolling of all soils)"
+                                                  : ")"))
             ->type_name("KEY=RANGE")
             ->expected(1)
             ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll)

@@ -79,9 +79,9 @@ private:
     std::int64_t last_ = 0;
 };
 
-gis::VectorLayer zone_layer(const DiagnosisVariant& variant, std::size_t effect) {
+gis::VectorLayer zone_layer(const DiagnosisVariant& variant, const std::string& name) {
     gis::VectorLayer layer;
-    layer.data.name = zone_name(effect);
+    layer.data.name = name;
     layer.data.kind = GeometryKind::Polygon;
     layer.coordinates = gis::Coordinates::XY;
     layer.data.fields.push_back({"effect", FieldType::Text, "Effect"});
@@ -143,10 +143,11 @@ gis::ResultsPackage results_of(const DiagnoseStudy& study, const SiteModel& mode
         package.vectors = campaign_vectors(model, shown);
     }
     if (in_space && !model.campaign.screens.empty()) package.vectors.push_back(screens_in_space(study.site, model));
-    for (std::size_t k = 0; answer && k < answer->effects.size(); ++k) {
-        const DiagnosisVariant& variant = answer->effects[k].variant;
-        if (variant.place.area) package.vectors.push_back(zone_layer(variant, k));
-    }
+    for (std::size_t a = 0; a < study.standing(); ++a)
+        for (std::size_t k = 0; k < study.answers[a].effects.size(); ++k) {
+            const DiagnosisVariant& variant = study.answers[a].effects[k].variant;
+            if (variant.place.area) package.vectors.push_back(zone_layer(variant, zone_name(study, a, k)));
+        }
     if (package.vectors.empty()) package.vectors.push_back(input_layer(model.release, "release", "Release", "Inputs"));
     package.provenance = {{"program", "scree " + version()}, {"site", study.site.settings.name}};
     for (const std::string& line : study.inputs) package.provenance.push_back({"input", line});
@@ -174,7 +175,8 @@ gis::ResultsPackage results_of(const DiagnoseStudy& study, const SiteModel& mode
         for (const Figure& f : *list) package.files.push_back({"figures/" + f.file, f.svg});
     package.files.push_back({"diagnosis.json", diagnose_json(study)});
     package.files.push_back({"report.html", diagnose_html(study, figures, before, after)});
-    if (judged) package.files.push_back({"site_extended.toml", extended_toml(study, folder)});
+    for (std::size_t k = 0; judged && k < study.site_files(); ++k)
+        package.files.push_back({extended_name(k), extended_toml(study, k, folder)});
     return package;
 }
 
@@ -270,8 +272,9 @@ ExitCode run_diagnose(const Context& context) {
     store.remove();
     if (context.quiet) return ExitCode::Done;
     print_diagnosis(*context.out, study);
-    if (!study.planning && !study.before.observables.empty())
-        *context.out << "site file      " << (folder / "site_extended.toml").string() << "\n";
+    const bool judged = !study.planning && !study.before.observables.empty();
+    for (std::size_t k = 0; judged && k < study.site_files(); ++k)
+        *context.out << "site file      " << (folder / extended_name(k)).string() << "\n";
     *context.out << "report         " << (folder / "report.html").string() << " (beside it diagnosis.json, figures)\n";
     return ExitCode::Done;
 }

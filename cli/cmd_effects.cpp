@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "cli/commands.hpp"
+#include "cli/diagnose_candidates.hpp"
 #include "cli/setting_rows.hpp"
 
 #include <algorithm>
@@ -61,7 +62,7 @@ std::string place_text(const EffectLimits& limits) {
 }
 
 void print_effect(std::ostream& out, const EffectInfo& info) {
-    constexpr std::size_t kIndent = 15, kWidth = 110;
+    constexpr std::size_t kIndent = 18, kWidth = 110;
     const auto line = [&](const char* name, const std::string& text) {
         if (!text.empty()) out << std::left << std::setw(kIndent) << name << wrapped(text, kIndent, kWidth) << "\n";
     };
@@ -91,6 +92,10 @@ ExitCode run_effects(const Context& context) {
         return ExitCode::Done;
     }
     const auto kind = effect_kind(context.target);
+    if (context.target == kThirdDimension)
+        throw InputError(
+            "third_dimension is no effect of a model but what a profile leaves out, which scree diagnose "
+            "looks for in 2D; model.dimension = 3 simulates it");
     if (!kind) throw InputError("there is no effect " + context.target + "; scree effects lists them");
     print_effect(*context.out, effect_info(*kind));
     return ExitCode::Done;

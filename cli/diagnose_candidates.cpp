@@ -91,11 +91,21 @@ std::string joined(const std::string& a, const std::string& b) {
     return a.empty() || b.empty() ? a + b : a + ", " + b;
 }
 
+/// A calibration that makes up for what is missing may end at e = 0, and what is missing act where it does not.
+bool may_bounce(const std::vector<Soil>& soils, const FreeKeys& keys) {
+    const auto of_restitution = [](const std::string& key) { return key.ends_with(".restitution"); };
+    return std::any_of(soils.begin(), soils.end(), [](const Soil& soil) { return soil.restitution > 0.0; }) ||
+           std::any_of(keys.problem.parameters.begin(), keys.problem.parameters.end(),
+                       [&](const CalibrationParameter& p) { return of_restitution(p.name) && p.high > 0.0; }) ||
+           std::any_of(keys.problem.choices.begin(), keys.problem.choices.end(),
+                       [&](const CalibrationChoice& c) { return of_restitution(c.name); });
+}
+
 /// Which of the test's quantities were measured at all, and what the site lets act.
 class Catalogue {
 public:
-    Catalogue(const SiteFile& site, const SiteModel& model, const ObservedSite& observed)
-        : s_(site.settings), model_(model), observed_(observed) {
+    Catalogue(const SiteFile& site, const SiteModel& model, const ObservedSite& observed, const FreeKeys& keys)
+        : s_(site.settings), model_(model), observed_(observed), bounces_(may_bounce(s_.soils, keys)) {
         const ObservationTable table = measured_table(observed.observations, observed.op);
         for (const Column& c : table.columns) measured_.push_back(c.quantity);
         const std::size_t along = table.find({Quantity::Along});
@@ -126,8 +136,7 @@ public:
         bounces.variants.push_back(weaker);
         if (length_ > 0.0) stretches.variants.push_back(on_a_stretch(force(1.0, 0.0)));
         result_.candidates = {contact, all};
-        if (std::any_of(s_.soils.begin(), s_.soils.end(), [](const Soil& soil) { return soil.restitution > 0.0; }))
-            result_.candidates.push_back(bounces);
+        if (bounces_) result_.candidates.push_back(bounces);
         if (!stretches.variants.empty()) result_.candidates.push_back(stretches);
         result_.put_on = puts_on();
         return std::move(result_);
@@ -210,11 +219,9 @@ private:
         if (said_to_be_absent(search.family)) return kAbsent;
         if (has_effect(search.kind)) return "the site has it";
         if (info.limits.needs_impact && s_.dynamics.mode != SteppingMode::Event) return "needs model.mode = \"event\"";
-        const bool bounces =
-            std::any_of(s_.soils.begin(), s_.soils.end(), [](const Soil& soil) { return soil.restitution > 0.0; });
         const bool known = observed_.observations.matched;
         const EffectKind k = search.kind;
-        if ((k == K::RestitutionHalfSpeed || k == K::RestitutionPfeifferBowen || k == K::RestitutionMass) && !bounces)
+        if ((k == K::RestitutionHalfSpeed || k == K::RestitutionPfeifferBowen || k == K::RestitutionMass) && !bounces_)
             return "cannot be seen, every soil has e = 0";
         if ((k == K::RestitutionMass || k == K::RollingSize || k == K::IdsShuffled) && !known)
             return "needs blocks that are identified";
@@ -310,6 +317,7 @@ private:
     const SiteSettings& s_;
     const SiteModel& model_;
     const ObservedSite& observed_;
+    const bool bounces_;  ///< on some soil e is not 0, or may become so
     std::vector<Quantity> measured_;
     double length_ = 0.0;  ///< of the path along the axis: the farthest stop [m]
     DiagnosisCatalogue result_;
@@ -319,7 +327,9 @@ private:
 
 DiagnosisVariant DiagnosisVariant::on_ground(std::span<const Soil> soils) const {
     DiagnosisVariant v = *this;
-    if (kind == EffectKind::LowFriction) {  // from the largest friction downwards
+    if (kind == EffectKind::LowFriction && place.soil >= 0) {
+        v.start = soils[static_cast<std::size_t>(place.soil)].friction;
+    } else if (kind == EffectKind::LowFriction) {  // from the largest downwards: of several soils any may be there
         v.start = 0.0;
         for (const Soil& one : soils) v.start = std::max(v.start, one.friction);
     }
@@ -390,13 +400,14 @@ void check_absent_effects(const SiteSettings& settings) {
     }
 }
 
-DiagnosisCatalogue make_forces(const SiteFile& calibrated, const SiteModel& model, const ObservedSite& observed) {
-    return Catalogue(calibrated, model, observed).forces();
+DiagnosisCatalogue make_forces(const SiteFile& calibrated, const SiteModel& model, const ObservedSite& observed,
+                               const FreeKeys& keys) {
+    return Catalogue(calibrated, model, observed, keys).forces();
 }
 
 DiagnosisCatalogue make_candidates(const SiteFile& calibrated, const SiteModel& model, const ObservedSite& observed,
-                                   const std::string& no_space) {
-    return Catalogue(calibrated, model, observed).make(no_space);
+                                   const FreeKeys& keys, const std::string& no_space) {
+    return Catalogue(calibrated, model, observed, keys).make(no_space);
 }
 
 }  // namespace scree::cli

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include "cli/free_keys.hpp"
 #include "cli/observed_site.hpp"
 #include "scree/inference/diagnosis.hpp"
 
@@ -71,15 +72,16 @@ struct DiagnosisCatalogue {
 void check_absent_effects(const SiteSettings& settings);
 
 /// Everything of the effects' catalogue that this site and test can be searched for, and of a 2D model the third dimension, if nothing stands against it.
-/// Effects that the site has already are left out.
+/// Effects that the site has already are left out. What a calibration may change counts with all its values: `keys`.
 DiagnosisCatalogue make_candidates(const SiteFile& calibrated, const SiteModel& model, const ObservedSite& observed,
-                                   const std::string& no_space);
+                                   const FreeKeys& keys, const std::string& no_space);
 inline constexpr const char* kThirdDimension = "third_dimension";
 
 /// Forces without a name, for what has none: they say in which phase of the motion, at which speeds, masses and places something is missing. As candidates:
 /// against the motion while the block touches the ground, growing with powers of speed and of mass (each of kSpeedPowers with each of kMassPowers); the same all
 /// the way, in flight as well, proportional to speed over mass; bounces that are weaker; and the first, proportional to the speed, on a stretch of the path.
-DiagnosisCatalogue make_forces(const SiteFile& calibrated, const SiteModel& model, const ObservedSite& observed);
+DiagnosisCatalogue make_forces(const SiteFile& calibrated, const SiteModel& model, const ObservedSite& observed,
+                               const FreeKeys& keys);
 inline constexpr std::array kSpeedPowers{0.0, 1.0, 2.0};
 inline constexpr std::array kMassPowers{0.0, -0.5,
                                         0.5};  ///< of the acceleration; only the first where blocks are unknown

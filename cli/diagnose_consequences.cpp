@@ -2,6 +2,7 @@
 #include "cli/diagnose_consequences.hpp"
 
 #include "cli/campaign_layers.hpp"
+#include "cli/plane_layers.hpp"
 #include "cli/plot.hpp"
 #include "scree/inference/distance.hpp"
 
@@ -83,16 +84,19 @@ void draw_curve(Svg& svg, const SvgPanel& panel, const std::vector<double>& valu
 
 Figure along_profile(const DiagnoseStudy& study, const AnswerFit& answer, const SiteModel& model, std::size_t track) {
     const ProfileTrack& on = model.campaign.tracks[track];
-    const double released = static_cast<double>(std::max<std::int64_t>(answer.campaign.released, 1));
     const auto high = [](CellQuantity quantity) {
         return [q = static_cast<std::size_t>(quantity)](const CellStatistics& s) {
             return kQuantities[q].factor * s.quantities[q].histogram.quantile(kShare);
         };
     };
     std::vector<Curves> panels;
-    panels.push_back(
-        curves("Reach probability [%]", model, track, study.campaign, answer.campaign,
-               [&](const CellStatistics& s) { return 100.0 * static_cast<double>(s.passages) / released; }));
+    const auto reach = [&](const CampaignResult& result) {
+        return along(model, track, result,
+                     [thrown = std::max(blocks_thrown_on(result, track), 1.0)](const CellStatistics& s) {
+                         return 100.0 * static_cast<double>(s.passages) / thrown;
+                     });
+    };
+    panels.push_back({"Reach probability [%]", reach(study.campaign), reach(answer.campaign)});
     panels.push_back(
         curves("Energy, 95 % [kJ]", model, track, study.campaign, answer.campaign, high(CellQuantity::KineticEnergy)));
     panels.push_back(curves("Passing height, 95 % [m]", model, track, study.campaign, answer.campaign,
@@ -134,10 +138,14 @@ Figure along_profile(const DiagnoseStudy& study, const AnswerFit& answer, const 
 
 }  // namespace
 
+static bool acts_on_blocks(const AnswerFit& answer) {
+    return std::any_of(answer.effects.begin(), answer.effects.end(),
+                       [](const AnsweredEffect& e) { return !e.candidate->measurement; });
+}
+
 const AnswerFit* answer_on_blocks(const DiagnoseStudy& study) {
     const AnswerFit* a = study.planning ? nullptr : study.answer();
-    const auto of_blocks = [](const AnsweredEffect& e) { return !e.candidate->measurement; };
-    return a && std::any_of(a->effects.begin(), a->effects.end(), of_blocks) ? a : nullptr;
+    return a && acts_on_blocks(*a) ? a : nullptr;
 }
 
 std::array<ChangedValue, 4> values_of(const ScreenChange& c) {
@@ -147,11 +155,11 @@ std::array<ChangedValue, 4> values_of(const ScreenChange& c) {
              {"height_p95_m", c.before.height, c.after.height}}};
 }
 
-std::vector<ScreenChange> changes_at_screens(const DiagnoseStudy& study) {
+std::vector<ScreenChange> changes_at_screens(const DiagnoseStudy& study, std::size_t answer) {
     std::vector<ScreenChange> changes;
-    const AnswerFit* answer = answer_on_blocks(study);
-    if (!answer) return changes;
-    const std::vector<AtScreen> before = at_screens(study, study.campaign), after = at_screens(study, answer->campaign);
+    if (answer >= study.standing() || !acts_on_blocks(study.answers[answer])) return changes;
+    const std::vector<AtScreen> before = at_screens(study, study.campaign),
+                                after = at_screens(study, study.answers[answer].campaign);
     for (std::size_t s = 0; s + 2 * study.impacts < study.screens.size(); ++s)
         changes.push_back({study.screens[s], before[s], after[s]});
     return changes;

@@ -32,8 +32,8 @@ struct ChangedValue {
 };
 /// Share that passes [%], speed [m/s], energy [kJ], height [m].
 std::array<ChangedValue, 4> values_of(const ScreenChange& change);
-/// Of answer_on_blocks; empty if there is none.
-std::vector<ScreenChange> changes_at_screens(const DiagnoseStudy& study);
+/// Of an answer that stands and acts on blocks; else empty.
+std::vector<ScreenChange> changes_at_screens(const DiagnoseStudy& study, std::size_t answer);
 
 /// How many blocks come how far, before and after: curves along the profile with energies and heights in 2D, maps in 3D.
 std::vector<Figure> consequence_figures(const DiagnoseStudy& study, const SiteModel& model,

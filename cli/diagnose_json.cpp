@@ -92,14 +92,15 @@ std::string diagnose_json(const DiagnoseStudy& study) {
     json["answer"] = Json::array();
     for (const AnswerFit& a : study.answers)
         for (const AnsweredEffect& e : a.effects) json["answer"].push_back(answer_json(study, a, e));
-    for (const ScreenChange& c : changes_at_screens(study)) {
-        Json row{{"screen", c.screen}};
-        for (const ChangedValue& v : values_of(c)) {
-            row["calibrated"][v.name] = v.before;
-            row["extended"][v.name] = v.after;
+    for (std::size_t k = 0; k < study.answers.size(); ++k)
+        for (const ScreenChange& c : changes_at_screens(study, k)) {
+            Json row{{"screen", c.screen}, {"with", study.answers[k].name()}};
+            for (const ChangedValue& v : values_of(c)) {
+                row["calibrated"][v.name] = v.before;
+                row["extended"][v.name] = v.after;
+            }
+            json["at_screens"].push_back(row);
         }
-        json["at_screens"].push_back(row);
-    }
     json["audit"] = Json::array();
     for (const Finding& f : study.audit)
         json["audit"].push_back({{"check", f.check},

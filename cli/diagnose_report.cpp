@@ -61,16 +61,19 @@ void print_answers(std::ostream& out, const DiagnoseStudy& study) {
                 << short_number(100.0 * std::min(1.0, *share) * (*share > 0.0 ? 1.0 : -1.0))
                 << " % of the removable held-out gap\n";
     }
-    const std::vector<ScreenChange> changes = changes_at_screens(study);
-    if (changes.empty()) return;
-    out << "\n"
-        << padded("what it changes, with 95 % values", 34) << padded("passed by [%]", 18) << padded("speed [m/s]", 18)
-        << padded("energy [kJ]", 18) << "height [m]\n";
-    for (const ScreenChange& c : changes) {
-        out << padded("  at " + c.screen, 34);
-        for (const ChangedValue& v : values_of(c))
-            out << padded(short_number(v.before) + " -> " + short_number(v.after), 18);
-        out << "\n";
+    for (std::size_t k = 0; k < study.answers.size(); ++k) {
+        const std::vector<ScreenChange> changes = changes_at_screens(study, k);
+        if (changes.empty()) continue;
+        const std::string what = study.standing() > 1 ? study.answers[k].name() : "it";
+        out << "\n"
+            << padded("what " + what + " changes, with 95 % values", 34) << padded("passed by [%]", 18)
+            << padded("speed [m/s]", 18) << padded("energy [kJ]", 18) << "height [m]\n";
+        for (const ScreenChange& c : changes) {
+            out << padded("  at " + c.screen, 34);
+            for (const ChangedValue& v : values_of(c))
+                out << padded(short_number(v.before) + " -> " + short_number(v.after), 18);
+            out << "\n";
+        }
     }
 }
 
@@ -99,16 +102,17 @@ void print_diagnosis(std::ostream& out, const DiagnoseStudy& study) {
     for (const std::string& remark : diagnose_remarks(study)) out << "=> " << remark << "\n";
 }
 
-std::string extended_toml(const DiagnoseStudy& study, const fs::path& to) {
+std::string extended_toml(const DiagnoseStudy& study, std::size_t answer, const fs::path& to) {
     std::ostringstream text;
     text << "# By scree diagnose (scree " << version() << ", seed " << study.settings.seed << ").\n# "
          << verdict_sentence(study) << ".\n";
+    const bool answered = answer < study.standing();
+    if (study.standing() > 1) text << "# This file has " << study.answers[answer].name() << ".\n";
     for (const std::string& remark : diagnose_remarks(study)) text << "# Note: " << remark << ".\n";
     for (const std::string& input : study.inputs) text << "# Input: " << input << "\n";
     text << "\n";
-    const AnswerFit* answer = study.answer();
-    const SiteFile site = answer ? extended_site(study, *answer, fs::absolute(to) / "results.gpkg")
-                                 : with_changes(study.site, study.keys.changes(study.tested_point()));
+    const SiteFile site = answered ? extended_site(study, answer, fs::absolute(to) / "results.gpkg")
+                                   : with_changes(study.site, study.keys.changes(study.tested_point()));
     SiteSettings settings = site.settings;
     settings.output_directory = "out";
     text << settings_from(study.site, settings, to);
@@ -149,9 +153,9 @@ std::string gaps_html(const DiagnoseStudy& study, const AnswerFit& a) {
     return html_table({"gap", "calibrated", "with " + a.name(), "chance"}, rows) + places_html(study, a);
 }
 
-std::string consequences_html(const DiagnoseStudy& study) {
+std::string consequences_html(const DiagnoseStudy& study, std::size_t answer) {
     std::vector<std::vector<std::string>> rows;
-    for (const ScreenChange& c : changes_at_screens(study)) {
+    for (const ScreenChange& c : changes_at_screens(study, answer)) {
         rows.push_back({c.screen});
         for (const ChangedValue& v : values_of(c))
             rows.back().insert(rows.back().end(), {short_number(v.before), short_number(v.after)});
@@ -221,12 +225,12 @@ std::string diagnose_html(const DiagnoseStudy& study, const std::vector<Figure>&
              << html_list(apart);
     if (study.planning) html << further_html(study);
     for (const Figure& f : figures) html << "<h2>" << escaped(f.title) << "</h2>\n" << html_figure(f);
-    for (const AnswerFit& a : study.answers) {
+    for (std::size_t k = 0; k < study.answers.size(); ++k) {
+        const AnswerFit& a = study.answers[k];
         html << "<h2>With " << escaped(a.name()) << "</h2>\n";
         for (const AnsweredEffect& e : a.effects)
             html << "<p>" << escaped(variant_name(e.variant) + ": " + strength_text(e)) << ".</p>\n";
-        html << gaps_html(study, a);
-        if (&a == &study.answers.front()) html << consequences_html(study);
+        html << gaps_html(study, a) << consequences_html(study, k);
     }
     if (!study.diagnosis.findings.empty())
         html << "<h2>All effects that were searched</h2>\n" << effects_html(study) << kHow;

@@ -15,8 +15,8 @@ std::vector<Figure> diagnose_figures(const DiagnoseStudy& study);
 std::string diagnose_json(const DiagnoseStudy& study);
 std::string diagnose_html(const DiagnoseStudy& study, const std::vector<Figure>& figures,
                           const std::vector<Figure>& before, const std::vector<Figure>& after);
-/// The site with calibrated values and, if one was found, the effect; for the folder `to`.
-std::string extended_toml(const DiagnoseStudy& study, const std::filesystem::path& to);
+/// The site with calibrated values and, if that answer stands, its effects; for the folder `to`.
+std::string extended_toml(const DiagnoseStudy& study, std::size_t answer, const std::filesystem::path& to);
 /// Which strength of each effect such a test would see, and what looks like it.
 void print_power(std::ostream& out, const DiagnoseStudy& study);
 /// On one screen.

@@ -37,7 +37,7 @@ double from_unit(const CalibrationParameter& p, double u) {
 /// little of a strength: it has to stay here.
 Interval strength_range(const AnsweredEffect& e) {
     const EffectFinding& f = e.finding;
-    if (!std::isfinite(f.strength_deviation)) return {0.0, e.variant.most};
+    if (!(f.strength_deviation > 0.0) || std::isinf(f.strength_deviation)) return {0.0, e.variant.most};
     const double reach = kNinetyFive * f.strength_deviation;
     return {std::max(f.strength - reach, 0.0), std::min(f.strength + reach, e.variant.most)};
 }
@@ -73,8 +73,8 @@ public:
         study_.tested_levels = study_.baseline.point.levels;
         study_.before = compared(study_.baseline, {}, study_.campaign);
         if (study_.interrupted) return;
-        study_.catalogue =
-            make_candidates(test_.site_at(study_.baseline.point), in_.model, in_.observed, test_.no_space());
+        study_.catalogue = make_candidates(test_.site_at(study_.baseline.point), in_.model, in_.observed, study_.keys,
+                                           test_.no_space());
         study_.diagnosis = diagnose(problem(study_.baseline, study_.catalogue), measured(), study_.settings,
                                     simulation(study_.baseline, study_.catalogue), reporter());
         study_.interrupted = study_.diagnosis.interrupted;
@@ -108,7 +108,7 @@ public:
     /// What has no name: when, where and for which blocks it acts, as forces tell whose fingerprints are held against what the model leaves.
     void try_forces() {
         const CalibratedModel model = tested_model();
-        study_.forces = make_forces(test_.site_at(model.point), in_.model, in_.observed);
+        study_.forces = make_forces(test_.site_at(model.point), in_.model, in_.observed, study_.keys);
         study_.by_force = scree::plan_test(problem(model, study_.forces), measured(), study_.settings,
                                            simulation(model, study_.forces), reporter());
         study_.interrupted = study_.by_force.interrupted;
@@ -167,7 +167,8 @@ public:
         for (const CalibrationChoice& c : study_.keys.problem.choices) as_given.point.levels.push_back(c.start);
         study_.baseline = as_given;
         study_.tested_levels = as_given.point.levels;
-        study_.catalogue = make_candidates(test_.site_at(as_given.point), in_.model, in_.observed, test_.no_space());
+        study_.catalogue =
+            make_candidates(test_.site_at(as_given.point), in_.model, in_.observed, study_.keys, test_.no_space());
         study_.diagnosis = scree::plan_test(problem(as_given, study_.catalogue), measured(), study_.settings,
                                             simulation(as_given, study_.catalogue), reporter());
         study_.interrupted = study_.diagnosis.interrupted;
@@ -436,8 +437,18 @@ bool AnswerFit::in_space() const {
     return cli::in_space(effects);
 }
 
-std::string zone_name(std::size_t effect) {
-    return effect == 0 ? "effect_zone" : "effect_zone_" + std::to_string(effect + 1);
+/// The first has no number.
+static std::string numbered(const std::string& name, std::size_t index) {
+    return index == 0 ? name : name + "_" + std::to_string(index + 1);
+}
+
+std::string zone_name(const DiagnoseStudy& study, std::size_t answer, std::size_t effect) {
+    for (std::size_t k = 0; k < answer; ++k) effect += study.answers[k].effects.size();
+    return numbered("effect_zone", effect);
+}
+
+std::string extended_name(std::size_t answer) {
+    return numbered("site_extended", answer) + ".toml";
 }
 
 CalibrationPoint DiagnoseStudy::tested_point() const {
@@ -519,7 +530,8 @@ static void put_in_space(SiteSettings& settings, const std::filesystem::path& re
     settings.screen_chainages.clear();
 }
 
-SiteFile extended_site(const DiagnoseStudy& study, const AnswerFit& answer, const std::filesystem::path& results) {
+SiteFile extended_site(const DiagnoseStudy& study, std::size_t index, const std::filesystem::path& results) {
+    const AnswerFit& answer = study.answers[index];
     SiteFile site = with_changes(study.site, study.keys.changes(answer.model.point));
     for (std::size_t k = 0; k < answer.effects.size(); ++k) {
         const AnsweredEffect& e = answer.effects[k];
@@ -532,7 +544,7 @@ SiteFile extended_site(const DiagnoseStudy& study, const AnswerFit& answer, cons
         entry.soil = e.variant.soil;
         if (e.variant.on) {
             entry.place.file = results.string();
-            entry.place.layer = zone_name(k);
+            entry.place.layer = zone_name(study, index, k);
         }
         site.settings.effects.push_back(std::move(entry));
     }

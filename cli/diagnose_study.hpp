@@ -6,6 +6,7 @@
 #include "cli/field_test.hpp"
 #include "cli/simulation_store.hpp"
 
+#include <algorithm>
 #include <functional>
 #include <optional>
 #include <string>
@@ -85,9 +86,14 @@ struct DiagnoseStudy {
     bool interrupted = false;
 
     /// The best one; null where there is none, or where none was left by the refits.
-    const AnswerFit* answer() const {
-        return answers.empty() || verdict == Verdict::Unknown ? nullptr : &answers.front();
+    const AnswerFit* answer() const { return standing() == 0 ? nullptr : &answers.front(); }
+    /// How many answers stand: of a group every member, else one or none.
+    std::size_t standing() const {
+        if (verdict == Verdict::Unknown) return 0;
+        return verdict == Verdict::Group ? answers.size() : std::min<std::size_t>(answers.size(), 1);
     }
+    /// Site files to write: one for each answer that stands, else that of the model that was tested.
+    std::size_t site_files() const { return std::max<std::size_t>(standing(), 1); }
     const DiagnosisCandidate& candidate_of(const EffectFinding& f) const { return catalogue.candidates[f.effect]; }
     /// The parameters without effect that all measurements together ask for: the calibration minimises a part of them.
     CalibrationPoint tested_point() const;
@@ -122,11 +128,13 @@ std::optional<double> removable_gap_closed(const DiagnoseStudy& study, const Ans
 /// What the test in `input.observed`, of which values say only what would be measured, could see with the site's own parameters.
 void plan_study(const DiagnoseInput& input, DiagnoseStudy& study);
 
-/// Where an effect acts lies beside the results, in a layer of this name, if it acts in a place.
-std::string zone_name(std::size_t effect);
+/// Where an effect of an answer acts lies beside the results, in a layer of this name, if it acts in a place.
+std::string zone_name(const DiagnoseStudy& study, std::size_t answer, std::size_t effect);
+/// The site file with an answer: site_extended.toml for the best, site_extended_2.toml for the next member of a group.
+std::string extended_name(std::size_t answer);
 /// The layer of the screens of a 3D answer to a 2D model.
 inline constexpr const char* kScreensInSpace = "screens_3d";
-/// The site with the calibrated values and the effects, as it would be simulated; layers of its own are in `results`, an absolute path.
-SiteFile extended_site(const DiagnoseStudy& study, const AnswerFit& answer, const std::filesystem::path& results);
+/// The site with the calibrated values and the effects of an answer, as it would be simulated; layers of its own are in `results`, an absolute path.
+SiteFile extended_site(const DiagnoseStudy& study, std::size_t answer, const std::filesystem::path& results);
 
 }  // namespace scree::cli

@@ -349,6 +349,10 @@ std::vector<std::string> diagnose_remarks(const DiagnoseStudy& study) {
         if (a.study.overall.beyond_chance())
             remarks.push_back("with " + a.name() + " the model is still beyond chance as a whole");
     }
+    for (std::size_t k = 1; k < study.standing(); ++k)
+        remarks.push_back(extended_name(k) + " is the site with " + study.answers[k].name() +
+                          "; site_extended.toml, layers and maps have " + study.answers.front().name() +
+                          ": build on neither before they are told apart");
     if (study.verdict == Verdict::Group)
         for (const AnswerFit& a : study.answers)
             for (const AnsweredEffect& e : a.effects)

@@ -69,18 +69,15 @@ Curves curves_of(const SiteModel& model, const CampaignResult& result) {
         for (const int percent : kPercents) add("p" + std::to_string(percent), std::to_string(percent) + " % quantile");
         add("max", "maximum");
     }
-    std::vector<double> thrown(model.campaign.tracks.size(), 0.0);
-    for (const BlockResult& b : result.blocks)
-        if (b.done) thrown[static_cast<std::size_t>(b.profile)] += 1.0;
     for (std::size_t k = 0; k < model.campaign.tracks.size(); ++k) {
         const Profile& profile = model.campaign.tracks[k].profile;
-        const double cell = model.campaign.cell_along;
+        const double cell = model.campaign.cell_along, thrown = blocks_thrown_on(result, k);
         for (std::size_t j = 0; j < cells_along(profile, cell); ++j) {
             const auto found = result.cells_along[k].find(j);
             const double from = static_cast<double>(j) * cell;
             curves.rows.push_back(
                 {k, from, std::min(from + cell, profile.length()),
-                 values_of(found == result.cells_along[k].end() ? CellStatistics{} : found->second, thrown[k])});
+                 values_of(found == result.cells_along[k].end() ? CellStatistics{} : found->second, thrown)});
         }
     }
     return curves;
@@ -93,6 +90,12 @@ std::string text_of(const FieldValue& value) {
 }
 
 }  // namespace
+
+double blocks_thrown_on(const CampaignResult& result, std::size_t track) {
+    return static_cast<double>(std::count_if(result.blocks.begin(), result.blocks.end(), [&](const BlockResult& b) {
+        return b.done && static_cast<std::size_t>(b.profile) == track;
+    }));
+}
 
 Polylines stretches_in(const SiteModel& model, const MultiPolygon& area) {
     Polylines parts;

@@ -11,6 +11,9 @@ namespace scree::cli {
 /// The stretches of all profiles that lie in an area, one part each.
 Polylines stretches_in(const SiteModel& model, const MultiPolygon& area);
 
+/// Blocks that were thrown on a profile, to their end.
+double blocks_thrown_on(const CampaignResult& result, std::size_t track);
+
 /// The layer `profile_curves`: one line for each cell along each profile, with passages, deposits, and energy, height, speed and spin of the blocks that
 /// crossed it.
 gis::VectorLayer curves_layer(const SiteModel& model, const CampaignResult& result);

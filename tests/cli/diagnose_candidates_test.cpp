@@ -8,13 +8,15 @@
 
 #include <gtest/gtest.h>
 
+#include <set>
+
 namespace scree::cli {
 namespace {
 
 TEST(DiagnoseCandidates, BesideTheThirdDimensionNothingElseIsLookedFor) {
     const SiteFile site = read_site_file(test::quarry_a() / "site.toml", {"model.dimension=2"});
     bool in_space = false, others = false;
-    for (const CandidateEffect& e : make_candidates(site, load_site(site), ObservedSite{}, "").for_core()) {
+    for (const CandidateEffect& e : make_candidates(site, load_site(site), ObservedSite{}, {}, "").for_core()) {
         (e.name == kThirdDimension ? in_space : others) = true;
         EXPECT_EQ(e.second_beside, e.name != kThirdDimension) << e.name;
     }
@@ -25,20 +27,45 @@ TEST(DiagnoseCandidates, BesideTheThirdDimensionNothingElseIsLookedFor) {
 TEST(DiagnoseCandidates, LowFrictionIsLowerThanTheGround) {
     const SiteFile site = read_site_file(test::quarry_a() / "site.toml", {"model.dimension=2"});
     std::size_t seen = 0;
-    for (const DiagnosisCandidate& c : make_candidates(site, load_site(site), ObservedSite{}, "").candidates)
+    for (const DiagnosisCandidate& c : make_candidates(site, load_site(site), ObservedSite{}, {}, "").candidates)
         for (const DiagnosisVariant& v : c.variants) {
             if (v.kind != EffectKind::LowFriction) continue;
             ++seen;
             for (const double friction : {0.15, 0.3, 0.9}) {
-                std::vector<Soil> soils(1);
-                soils[0].friction = friction;
+                std::vector<Soil> soils(site.settings.soils.size());
+                for (Soil& soil : soils) soil.friction = friction;
                 const DiagnosisVariant there = v.on_ground(soils);
                 EXPECT_DOUBLE_EQ(there.value(0.0), friction);
                 EXPECT_LT(there.value(1.0), 0.7 * friction);
                 EXPECT_LT(there.value(v.most), 0.3 * friction);
             }
+            std::vector<Soil> soils(2);
+            soils[0].friction = 0.9;
+            soils[1].friction = 0.4;
+            const double here = v.place.soil == 1 ? 0.4 : 0.9;  // of all soils the largest is lowered first
+            EXPECT_DOUBLE_EQ(v.on_ground(soils).value(0.0), here) << v.label;
         }
     EXPECT_GT(seen, 0U);
+}
+
+// A calibration may end where nothing bounces: what weakens the bounce may be missing where it does not.
+TEST(DiagnoseCandidates, BouncesAreLookedForWhereverTheyAreFree) {
+    const SiteFile site = read_site_file(test::quarry_a() / "site.toml", {"model.dimension=2", "soil.*.restitution=0"});
+    const SiteModel model = load_site(site);
+    const auto searched = [&](const FreeKeys& keys) {
+        std::set<std::string> names;
+        for (const DiagnosisCandidate& c : make_candidates(site, model, ObservedSite{}, keys, "").candidates)
+            names.insert(c.name);
+        for (const DiagnosisCandidate& c : make_forces(site, model, ObservedSite{}, keys).candidates)
+            names.insert(c.name);
+        return names;
+    };
+    const std::set<std::string> none = searched(read_free_keys(site, {"soil.*.friction=0.3:0.9"})),
+                                free = searched(read_free_keys(site, {"soil.*.restitution=0:0.4"}));
+    for (const char* name : {"restitution_half_speed", "bounces"}) {
+        EXPECT_EQ(none.count(name), 0U) << name;
+        EXPECT_EQ(free.count(name), 1U) << name;
+    }
 }
 
 }  // namespace

@@ -5,15 +5,18 @@
 #include "cli/site_file.hpp"
 #include "support/paths.hpp"
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 namespace scree::cli {
 namespace {
 
 using namespace scree::test;
+using testing::HasSubstr;
 namespace fs = std::filesystem;
 
-const DiagnosisCandidate kDrag{"ground_drag", "", false, {}}, kSpace{"third_dimension", "", false, {}};
+const DiagnosisCandidate kDrag{"ground_drag", "", false, {}}, kForest{"forest_drag", "", false, {}},
+    kSpace{"third_dimension", "", false, {}};
 
 /// A diagnosis of the site that names this.
 DiagnoseStudy named(const fs::path& site, const DiagnosisCandidate& candidate, const DiagnosisVariant& variant) {
@@ -33,18 +36,46 @@ TEST(DiagnoseExtended, MayBeDiagnosedAgain) {
     placed.parameter = "coefficient";
     placed.reference = 1.0;
     placed.on = Stretch{40.0, 55.0};
-    put(first / "site_extended.toml", extended_toml(named(quarry_a() / "site.toml", kDrag, placed), first));
+    put(first / "site_extended.toml", extended_toml(named(quarry_a() / "site.toml", kDrag, placed), 0, first));
     const SiteFile once = read_site_file(first / "site_extended.toml", {});
     ASSERT_EQ(once.settings.effects.size(), 1U);
     EXPECT_EQ(once.settings.effects[0].place.file, "results.gpkg") << "both may be moved together";
-    EXPECT_EQ(once.settings.effects[0].place.layer, zone_name(0));
+    EXPECT_EQ(once.settings.effects[0].place.layer, "effect_zone");
 
-    put(second / "site_extended.toml", extended_toml(named(first / "site_extended.toml", kDrag, placed), second));
+    put(second / "site_extended.toml", extended_toml(named(first / "site_extended.toml", kDrag, placed), 0, second));
     const SiteFile twice = read_site_file(second / "site_extended.toml", {});
     ASSERT_EQ(twice.settings.effects.size(), 2U);
     EXPECT_EQ(twice.resolve(twice.settings.effects[0].place.file), first / "results.gpkg");
     EXPECT_EQ(twice.resolve(twice.settings.effects[1].place.file), second / "results.gpkg");
     EXPECT_EQ(twice.resolve(twice.settings.dtm), once.resolve(once.settings.dtm));
+}
+
+// No member of a group is more than a guess: each has a file that says so and leads to its own place.
+TEST(DiagnoseExtended, EveryMemberOfAGroupHasAFile) {
+    const TempDir folder;
+    DiagnosisVariant placed;
+    placed.parameter = "coefficient";
+    placed.reference = 1.0;
+    placed.on = Stretch{40.0, 55.0};
+    DiagnoseStudy study = named(quarry_a() / "site.toml", kDrag, placed);
+    placed.kind = EffectKind::ForestDrag;
+    study.answers.emplace_back().effects.push_back({&kForest, placed, {}, 2.0, {}});
+    EXPECT_EQ(study.site_files(), 1U);
+    study.verdict = Verdict::Group;
+    ASSERT_EQ(study.site_files(), 2U);
+    for (std::size_t k = 0; k < 2; ++k) {
+        const fs::path file = folder.path() / extended_name(k);
+        put(file, extended_toml(study, k, folder.path()));
+        EXPECT_THAT(text_of(file), HasSubstr("# This file has " + study.answers[k].name() + ".\n"));
+        EXPECT_THAT(text_of(file), HasSubstr("site_extended_2.toml is the site with forest_drag"));
+        const SiteFile site = read_site_file(file, {});
+        ASSERT_EQ(site.settings.effects.size(), 1U);
+        EXPECT_EQ(site.settings.effects[0].effect.kind, study.answers[k].effects[0].variant.kind);
+        EXPECT_EQ(site.settings.effects[0].place.layer, k == 0 ? "effect_zone" : "effect_zone_2");
+    }
+    study.verdict = Verdict::Unknown;
+    EXPECT_EQ(study.site_files(), 1U) << "of the model that was tested";
+    EXPECT_EQ(study.answer(), nullptr);
 }
 
 TEST(DiagnoseExtended, KeepsItsScreensIn3D) {
@@ -53,7 +84,7 @@ TEST(DiagnoseExtended, KeepsItsScreensIn3D) {
     for (const fs::path& f : {first, second}) fs::create_directories(f);
     DiagnosisVariant space;
     space.space = true;
-    put(first / "site_extended.toml", extended_toml(named(quarry_a() / "site.toml", kSpace, space), first));
+    put(first / "site_extended.toml", extended_toml(named(quarry_a() / "site.toml", kSpace, space), 0, first));
     const SiteFile once = read_site_file(first / "site_extended.toml", {});
     EXPECT_EQ(once.settings.dimension, 3);
     EXPECT_EQ(once.settings.screens.file, "results.gpkg");
@@ -61,7 +92,7 @@ TEST(DiagnoseExtended, KeepsItsScreensIn3D) {
 
     DiagnoseStudy nothing;
     nothing.site = once;
-    put(second / "site_extended.toml", extended_toml(nothing, second));
+    put(second / "site_extended.toml", extended_toml(nothing, 0, second));
     const SiteFile twice = read_site_file(second / "site_extended.toml", {});
     EXPECT_EQ(twice.resolve(twice.settings.screens.file), first / "results.gpkg");
     EXPECT_EQ(twice.settings.screens.layer, kScreensInSpace);

@@ -37,7 +37,7 @@ ObservedSite two_blocks() {
 
 DiagnosisCatalogue forces_of_quarry(const ObservedSite& observed) {
     const SiteFile site = read_site_file(test::quarry_a() / "site.toml", {"model.dimension=2"});
-    return make_forces(site, load_site(site), observed);
+    return make_forces(site, load_site(site), observed, {});
 }
 
 TEST(DiagnoseForce, InContactItIsAPowerOfSpeedAndMass) {
@@ -77,7 +77,7 @@ TEST(DiagnoseForce, OnAStretchOfThePathItActsThereAndNowhereElse) {
     observed.op.axis = Axis(std::vector<Vec2>{{2.0, 40.0}, {102.0, 40.0}});
     const SiteFile site = read_site_file(test::quarry_a() / "site.toml", {});
     const SiteModel model = load_site(site);
-    const DiagnosisCatalogue forces = make_forces(site, model, observed);
+    const DiagnosisCatalogue forces = make_forces(site, model, observed, {});
     const std::size_t stretches = forces.candidates.size() - 1;
     const DiagnosisVariant& anywhere = forces.candidates[stretches].variants.front();
     EXPECT_EQ(anywhere.path, (Stretch{0.0, 88.0})) << "to the farthest stop";

@@ -4,6 +4,7 @@
 
 #include "cli/diagnose_consequences.hpp"
 #include "cli/further_instruments.hpp"
+#include "cli/plane_layers.hpp"
 #include "cli/program.hpp"
 #include "cli/site_file.hpp"
 #include "cli/site_model.hpp"
@@ -115,7 +116,7 @@ struct Quarry {
 TEST(DiagnoseFurther, SaysWhatChangesAtTheScreens) {
     const Quarry quarry(2);
     const DiagnoseStudy study = quarry.answered(kDrag);
-    const std::vector<ScreenChange> changes = changes_at_screens(study);
+    const std::vector<ScreenChange> changes = changes_at_screens(study, 0);
     ASSERT_EQ(changes.size(), quarry.observed.op.screens.size());
     for (std::size_t s = 0; s < changes.size(); ++s) {
         std::set<std::int64_t> passed;
@@ -130,7 +131,27 @@ TEST(DiagnoseFurther, SaysWhatChangesAtTheScreens) {
         EXPECT_LE(changes[s].after.passed, changes[s].before.passed) << "held back by the ground";
     }
     EXPECT_LT(changes.back().after.passed, changes.back().before.passed);
-    EXPECT_THAT(changes_at_screens(quarry.answered(kBias)), IsEmpty()) << "a fault of the measurement moves no block";
+    EXPECT_THAT(changes_at_screens(quarry.answered(kBias), 0), IsEmpty())
+        << "a fault of the measurement moves no block";
+
+    DiagnoseStudy two = study;
+    two.answers.push_back(two.answers.front());
+    EXPECT_THAT(changes_at_screens(two, 1), IsEmpty()) << "only the best is named";
+    two.verdict = Verdict::Group;
+    EXPECT_EQ(changes_at_screens(two, 1).size(), changes.size()) << "any member of a group may be at work";
+    two.verdict = Verdict::Unknown;
+    EXPECT_THAT(changes_at_screens(two, 0), IsEmpty());
+}
+
+TEST(DiagnoseFurther, ReachIsAShareOfTheBlocksOfThatProfile) {
+    CampaignResult result;
+    for (const auto& [profile, done] : {std::pair{0, true}, {1, true}, {0, true}, {0, false}}) {
+        result.blocks.emplace_back();
+        result.blocks.back().profile = profile;
+        result.blocks.back().done = done;
+    }
+    EXPECT_EQ(blocks_thrown_on(result, 0), 2.0);
+    EXPECT_EQ(blocks_thrown_on(result, 1), 1.0);
 }
 
 TEST(DiagnoseFurther, DrawsHowFarBlocksComeBeforeAndAfter) {

@@ -1,126 +1,20 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Diagnosis on a slope of formulas in place of an engine: what is hidden is known, chance can be repeated as often as wanted, and a thousand blocks cost
-// nothing. Shares of right answers are held against what they must be within what the number of cases can show; seeds are fixed.
+// Diagnosis on a slope of formulas. Shares of right answers are held against what they must be within what the number of cases can show; seeds are fixed.
 #include "scree/inference/diagnosis.hpp"
 
+#include "slope_of_formulas.hpp"
+
 #include "scree/base/error.hpp"
-#include "scree/base/random.hpp"
 
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <cmath>
-#include <iostream>
 #include <set>
 #include <string>
 
 namespace scree {
 namespace {
-
-constexpr std::size_t kBlocks = 50;
-enum Hidden : std::size_t { kSpeedCap, kMassTrend, kDepositAt50, kSpeedBias, kHeldBack, kEffects };
-
-RandomStream stream(std::uint64_t seed, std::uint64_t number) {
-    return {seed, number, RandomPurpose::Effect};
-}
-
-std::vector<ObservedBlock> blocks_of_test() {
-    std::vector<ObservedBlock> blocks(kBlocks);
-    for (std::size_t i = 0; i < kBlocks; ++i) {
-        RandomStream random = stream(5, i);
-        const double size = random.uniform(0.5, 1.3);
-        blocks[i].id = std::to_string(i);
-        blocks[i].size = size * Vec3(random.uniform(1.0, 1.3), 1.0, random.uniform(0.7, 1.0));
-        blocks[i].mass = 1500.0 * blocks[i].size.prod();
-    }
-    return blocks;
-}
-
-/// Two parameters slow blocks down: the first one above the first screen, the second one below it.
-ObservationTable throw_blocks(const std::vector<ObservedBlock>& blocks, const DiagnosisTask& task) {
-    ObservationTable t;
-    t.columns = {{Quantity::Along, -1},
-                 {Quantity::Passed, 0},
-                 {Quantity::Speed, 0},
-                 {Quantity::Passed, 1},
-                 {Quantity::Speed, 1}};
-    t.values.resize(t.columns.size());
-    std::array<double, kEffects> dose{};
-    Stretch held_on;
-    for (const EffectDose& d : task.effects) {
-        dose[d.effect] += d.strength;
-        if (d.effect == kHeldBack) held_on = *d.on;
-    }
-    const auto held_until = [&](double place) { return std::clamp(place - held_on.from, 0.0, held_on.length()); };
-    for (std::int64_t k = 0; k < task.repeats; ++k) {
-        for (std::size_t i = 0; i < blocks.size(); ++i) {
-            RandomStream random = stream(task.seed, static_cast<std::uint64_t>(k) * 1000 + i);
-            double first = 10.0 - 2.0 * task.parameters[0] + 1.5 * random.normal();
-            if (first > 10.0) first -= std::min(0.4 * dose[kSpeedCap], 1.0) * (first - 10.0);
-            double stop = 50.0 - 3.0 * task.parameters[0] - 8.0 * task.parameters[1] + 1.6 * (first - 10.0) +
-                          5.0 * random.normal();
-            stop += 1.5 * dose[kMassTrend] * (std::log(blocks[i].mass) - 6.9);
-            stop -= 0.2 * dose[kHeldBack] * held_until(stop);
-            const bool caught = random.uniform() < 0.2 * dose[kDepositAt50];
-            if (caught && stop > 50.0 && stop < 58.0) stop = 50.0 + random.uniform();
-            double second = 12.0 - 3.0 * task.parameters[1] + 0.5 * (first - 10.0) + random.normal();
-            first -= 0.1 * dose[kHeldBack] * held_until(38.0);
-            second -= 0.1 * dose[kHeldBack] * held_until(44.0);
-            const double bias = 1.0 + 0.05 * dose[kSpeedBias];
-            first = bias * first + 0.5 * random.normal();
-            second = bias * second + 0.5 * random.normal();
-            const bool passed_first = stop > 38.0, passed_second = stop > 44.0;
-            t.block.push_back(static_cast<std::int32_t>(i));
-            t.values[0].push_back(stop);
-            t.values[1].push_back(passed_first ? 1.0 : 0.0);
-            t.values[2].push_back(passed_first ? first : kNaN);
-            t.values[3].push_back(passed_second ? 1.0 : 0.0);
-            t.values[4].push_back(passed_second ? second : kNaN);
-        }
-    }
-    return t;
-}
-
-DiagnosisProblem problem_for(const std::vector<ObservedBlock>& blocks, std::vector<CandidateEffect> effects) {
-    DiagnosisProblem p;
-    p.calibrated = {0.3, 0.4};
-    p.low = {0.0, 0.0};
-    p.high = {1.0, 1.0};
-    p.step = {0.15, 0.15};
-    p.effects = std::move(effects);
-    p.blocks = blocks;
-    return p;
-}
-
-std::vector<CandidateEffect> all_effects() {
-    return {{"speed cap", false, {{"", 2.5}}},
-            {"mass trend", false, {{"", 5.0}}},
-            {"deposit at 50 m", false, {{"", 5.0}}},
-            {"speed bias", true, {{"", 4.0}}}};
-}
-
-DiagnosisSettings quick(std::uint64_t seed) {
-    DiagnosisSettings s;
-    s.seed = 1000 * seed + 7;
-    s.reference_repeats = 60;
-    s.repeats = 30;
-    s.draws = 199;
-    return s;
-}
-
-/// What is measured has parameters near the calibrated ones, as after a calibration.
-ObservationTable measured(const std::vector<ObservedBlock>& blocks, std::uint64_t number,
-                          std::vector<EffectDose> hidden) {
-    RandomStream random = stream(99, number);
-    const double first = 0.3 + 0.05 * random.normal(), second = 0.4 + 0.05 * random.normal();
-    return throw_blocks(blocks, {{first, second}, std::move(hidden), 50'000'000 + number, 1});
-}
-
-Diagnosis diagnosis_of(const std::vector<ObservedBlock>& blocks, const DiagnosisProblem& problem,
-                       const ObservationTable& table, std::uint64_t number) {
-    return diagnose(problem, table, quick(number),
-                    [&](const DiagnosisTask& t) { return std::optional(throw_blocks(blocks, t)); }, {});
-}
 
 TEST(Diagnosis, FindsNothingWhereNothingIsHidden) {
     const auto blocks = blocks_of_test();
@@ -321,39 +215,6 @@ TEST(Diagnosis, GroupsWhatLooksAlike) {
     EXPECT_GE(grouped, 3);
 }
 
-// How often what is said is right, in more tests than the default ones have time for: the figures in src/README.md.
-TEST(Diagnosis, DISABLED_Statistics) {
-    const auto blocks = blocks_of_test();
-    const DiagnosisProblem problem = problem_for(blocks, all_effects());
-    const auto count = [&](const std::string& name, std::uint64_t first, std::uint64_t tests, std::size_t hidden,
-                           double strength) {
-        int rejected = 0, best = 0, named = 0, wrong = 0, grouped = 0, covered = 0;
-        for (std::uint64_t k = first; k < first + tests; ++k) {
-            std::vector<EffectDose> doses;
-            if (hidden < kEffects) doses.push_back({hidden, 0, strength});
-            const Diagnosis d = diagnosis_of(blocks, problem, measured(blocks, k, doses), k);
-            if (d.verdict == Verdict::None) continue;
-            ++rejected;
-            const EffectFinding& f = d.findings.front();
-            best += f.effect == hidden;
-            grouped += d.verdict == Verdict::Group;
-            if (d.verdict != Verdict::Named && d.verdict != Verdict::DataProblem) continue;
-            const bool right = d.answer.size() == 1 && d.answer.front().effect == hidden;
-            ++(right ? named : wrong);
-            covered += right && std::abs(f.strength - strength) < 1.96 * f.strength_deviation;
-        }
-        std::cout << name << ", strength " << strength << ": " << tests << " tests, " << rejected << " rejected, best "
-                  << best << ", named " << named << " (strength within its 95 %: " << covered << "), group " << grouped
-                  << ", wrong " << wrong << std::endl;
-    };
-    count("nothing hidden", 10000, 400, kEffects, 0.0);
-    for (const std::size_t hidden : {kSpeedCap, kMassTrend, kDepositAt50, kSpeedBias})
-        for (const double share : {0.4, 0.7}) {
-            const std::string& name = problem.effects[hidden].name;
-            count(name, 20000 + 1000 * hidden, 60, hidden, share * problem.effects[hidden].variants.front().most);
-        }
-}
-
 // Where an effect acts is found besides how strong it is: between the places where the first look looks, and narrower.
 TEST(Diagnosis, FindsWhereAnEffectActs) {
     const auto blocks = blocks_of_test();
@@ -378,36 +239,6 @@ TEST(Diagnosis, FindsWhereAnEffectActs) {
     EXPECT_LE(wrong, 1);
     EXPECT_GE(2 * near, best);     // 7 of 10
     EXPECT_GE(covered, best - 2);  // 95 %
-}
-
-TEST(Diagnosis, DISABLED_StatisticsOfPlaces) {
-    const auto blocks = blocks_of_test();
-    std::vector<CandidateEffect> effects = all_effects();
-    effects.push_back({"held back", false, {{"", 12.0, Stretch{0.0, 90.0}}}});
-    const DiagnosisProblem problem = problem_for(blocks, effects);
-    for (const Stretch hidden : {Stretch{24.0, 28.0}, Stretch{31.0, 36.0}, Stretch{39.5, 43.5}, Stretch{45.0, 48.0},
-                                 Stretch{33.0, 43.0}, Stretch{20.0, 40.0}}) {
-        int rejected = 0, best = 0, right = 0, near = 0, covered = 0;
-        double deviation = 0.0;
-        for (std::uint64_t k = 0; k < 30; ++k) {
-            const double strength = std::min(28.0 / hidden.length(), 12.0);
-            const ObservationTable table = measured(blocks, 5000 + k, {{kHeldBack, 0, strength, hidden}});
-            const Diagnosis d = diagnosis_of(blocks, problem, table, k);
-            if (d.verdict == Verdict::None) continue;
-            ++rejected;
-            const EffectFinding& f = d.findings.front();
-            if (f.effect != kHeldBack || !f.finalist) continue;
-            ++best;
-            right += d.verdict == Verdict::Named;
-            const double error = std::abs(f.on->middle() - hidden.middle());
-            near += error < 3.0;
-            covered += error < 1.96 * f.middle_deviation;
-            deviation += f.middle_deviation;
-        }
-        std::cout << hidden.from << " to " << hidden.to << " m: 30 tests, " << rejected << " rejected, best " << best
-                  << ", named " << right << ", of the best ones middle within 3 m " << near << ", within its 95 % "
-                  << covered << ", mean deviation " << deviation / std::max(best, 1) << " m" << std::endl;
-    }
 }
 
 // Each of the two alone is rejected by its own simulations; both names are said together, and one of them alone is not enough.
@@ -473,22 +304,6 @@ TEST(Diagnosis, FindsTwoEffectsWhereAThirdComesNearestAlone) {
     EXPECT_GE(friends, 4);
     EXPECT_GE(both, 2);
     EXPECT_EQ(wrong, 0);
-}
-
-TEST(Diagnosis, DISABLED_StatisticsOfPairs) {
-    const auto blocks = blocks_of_test();
-    const DiagnosisProblem problem = problem_for(blocks, all_effects());
-    int rejected = 0, both = 0, one = 0, wrong = 0;
-    for (std::uint64_t k = 0; k < 40; ++k) {
-        const ObservationTable table = measured(blocks, 6000 + k, {{kMassTrend, 0, 4.0}, {kSpeedBias, 0, 3.0}});
-        const Diagnosis d = diagnosis_of(blocks, problem, table, k);
-        rejected += d.verdict != Verdict::None;
-        both += d.together;
-        one += d.answer.size() == 1;
-        for (const EffectFinding& f : d.answer) wrong += f.effect != kMassTrend && f.effect != kSpeedBias;
-    }
-    std::cout << "pairs: 40 tests, " << rejected << " rejected, both named " << both << ", one of them " << one
-              << ", wrong " << wrong << std::endl;
 }
 
 // The one unforgivable error: a confident wrong name.
