@@ -378,16 +378,33 @@ private:
         return !study_.interrupted;
     }
 
+    AnsweredEffect answered(const EffectFinding& f) const {
+        const DiagnosisVariant& v = study_.variant_of(f);
+        return {&study_.candidate_of(f), v, f, v.most, {v.most, v.most}};
+    }
+
+    /// Two effects are held against each of them alone, with any strength: the other may have been named for nothing.
+    void hold_against_one(const std::vector<EffectFinding>& findings, AnswerFit& fit) {
+        for (EffectFinding f : findings) {
+            f.strength_deviation = kNaN;
+            const std::vector<AnsweredEffect> one{answered(f)};
+            const CalibratedModel alone =
+                calibrated("alone_" + one.front().candidate->name + "_" + std::to_string(f.variant), one, f.parameters);
+            if (study_.interrupted) return;
+            if (!alone.result.folds.empty()) fit.loss_of_one = std::min(fit.loss_of_one, alone.result.held_out.loss);
+        }
+    }
+
     void refit(const std::vector<EffectFinding>& findings) {
         AnswerFit fit;
         std::string name;
         for (const EffectFinding& f : findings) {
-            const DiagnosisVariant& v = study_.variant_of(f);
-            fit.effects.push_back({&study_.candidate_of(f), v, f, v.most, {v.most, v.most}});
+            fit.effects.push_back(answered(f));
             name +=
                 (name.empty() ? "" : "_and_") + fit.effects.back().candidate->name + "_" + std::to_string(f.variant);
         }
         fit.model = calibrated(name, fit.effects, findings.front().parameters);
+        if (!study_.interrupted && findings.size() > 1) hold_against_one(findings, fit);
         if (study_.interrupted) return;
         fit.study = compared(fit.model, fit.effects, fit.campaign);
         if (!study_.interrupted) stay_as_followed(fit.model.result, fit.effects, fit.model, fit.study, fit.campaign);
@@ -472,9 +489,12 @@ void judge_refits(DiagnoseStudy& study) {
     std::stable_partition(answers.begin(), answers.end(), explains);
     if (study.baseline.result.folds.empty()) return;
     const double without = study.baseline.result.held_out.loss;
-    const auto better = [&](const AnswerFit& a) { return explains(a) && a.model.result.held_out.loss < without; };
+    const auto better = [&](const AnswerFit& a) {
+        return explains(a) && a.model.result.held_out.loss < std::min(without, a.loss_of_one);
+    };
     if (std::none_of(answers.begin(), answers.end(), better))
-        return demote("the blocks held out are predicted no better with " + answers.front().name() + " than without");
+        return demote("the blocks held out are predicted no better with " + answers.front().name() + " than " +
+                      (answers.front().loss_of_one < without ? "with one of them alone" : "without"));
     std::stable_partition(answers.begin(), answers.end(), better);
 }
 

@@ -40,6 +40,8 @@ struct AnswerFit {
     CalibratedModel model;
     CompareStudy study;  ///< of the measured blocks
     CampaignResult campaign;
+    double loss_of_one =
+        kInfinity;  ///< on blocks held out, of the better of its effects alone; of two that act together
 
     double weight() const { return effects.front().finding.weight; }
     bool in_space() const;     ///< the model is 2D, and the answer is 3D
@@ -118,7 +120,7 @@ struct DiagnoseInput {
 void run_study(const DiagnoseInput& input, DiagnoseStudy& study);
 
 /// A name with which the model, calibrated anew, is still far from the measurements is none, nor one that predicts blocks that it was not fitted to
-/// no better than the model without it: the verdict becomes UNKNOWN if no answer is left, and those that are left come first.
+/// no better than the model without it, nor two that predict them no better than one of them: the verdict becomes UNKNOWN if no answer is left, and those that are left come first.
 void judge_refits(DiagnoseStudy& study);
 
 /// Share of the removable loss on held-out blocks: down to what one more repeat of the simulation would lose [-]. Nothing where there are no folds, or

@@ -61,6 +61,20 @@ TEST(DiagnoseRefits, BlocksHeldOutMustBePredictedBetter) {
     EXPECT_THAT(study.demoted, HasSubstr("held out"));
 }
 
+TEST(DiagnoseRefits, TwoEffectsMustPredictThemBetterThanOneOfThem) {
+    AnswerFit two = answer("ground_drag", 1.0, 0.5);
+    two.effects.push_back({&candidate("soil_patch"), {}, {}, 0.0, {}});
+    for (const auto& [alone, verdict] : {std::pair{0.6, Verdict::Named}, {0.5, Verdict::Unknown}}) {
+        two.loss_of_one = alone;
+        DiagnoseStudy study = study_of({two});
+        judge_refits(study);
+        EXPECT_EQ(study.verdict, verdict);
+        EXPECT_THAT(
+            study.demoted,
+            HasSubstr(verdict == Verdict::Unknown ? "ground_drag and soil_patch than with one of them alone" : ""));
+    }
+}
+
 TEST(DiagnoseRefits, WithoutFoldsTheGapDecides) {
     DiagnoseStudy study = study_of({answer("ground_drag", 1.0, 1.0)});
     study.baseline.result.folds.clear();
