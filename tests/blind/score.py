@@ -192,6 +192,10 @@ def main():
     print("wrong name, all cases                       ", rate(lambda c: True, wrong))
     print("a single printed name is right              ", rate(single, lambda c: c["right"]))
     print("  where the catalogue has what was hidden   ", rate(lambda c: single(c) and c["tier"] != 3, lambda c: c["right"]))
+    for words, of in (("of a fault of measurement", lambda c: c["verdict"] == "DATA PROBLEM"),
+                      ("of the third dimension", lambda c: c["verdict"] == "NAMED" and c["names"] == "third_dimension"),
+                      ("of an effect on blocks or ground", lambda c: c["verdict"] == "NAMED" and c["names"] != "third_dimension")):
+        print(f"  {words:<42}", rate(lambda c: single(c) and of(c), lambda c: c["right"]))
     print("truth among the names, where any are printed", rate(lambda c: c["tier"] in (0, 1, 6) and c["names"], lambda c: c["right"]))
     for words, instruments in (("stops and speeds", "stops+speed"), ("heights, spins", "stops+speed+height+spin"),
                                ("heights, spins, impacts", "stops+speed+height+spin+impacts")):
