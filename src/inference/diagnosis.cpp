@@ -529,11 +529,11 @@ Diagnosis Diagnoser::run(Of of) {
             if (!rejected(d)) break;
             conclude(d, followed);
         }
-        if (d.answer.empty() || round == kReturns) break;
+        if (d.answer.empty()) break;
         const Eigen::VectorXd before = base_.parameters;
         if (!return_without(d, followed.front())) return d;
-        if (base_.parameters == before) {  // but perhaps less is left without effect than was known
-            conclude(d, followed);
+        if (base_.parameters == before || (round == kReturns && rejected(d))) {
+            conclude(d, followed);  // perhaps less is left without effect than was known
             break;
         }
     }

@@ -17,6 +17,7 @@ namespace {
 constexpr std::size_t kListed = 4;    // offenders that a sentence names [-]
 constexpr double kSpeedSlack = 3.0;   // stated errors by which a speed may exceed the fall before it is impossible [-]
 constexpr double kDatumOffset = 1.0;  // [m] beyond the blocks' own size
+constexpr double kBack = 5.0;         // a block may bounce back so far from a screen that it crossed [m]
 constexpr double kSameMass = 0.01;    // relative difference of masses that are the same [-]
 
 template <class... Parts>
@@ -64,6 +65,7 @@ public:
         measured_once();
         block_list();
         crossings_at_screens();
+        ways_of_blocks();
         shares();
         stated_errors();
         strength();
@@ -271,6 +273,56 @@ private:
                  words(far.counted("crossing lies", "crossings lie"), " more than ", kFarFromScreen,
                        " m from the line of its screen (", far.text(), "; the farthest by ", fixed(farthest, 1),
                        " m): check the names of the screens and where the site draws them"));
+    }
+
+    /// Chainage of every screen that crosses the axis; NaN: it does not, or has no line; starts and ends of impacts have none.
+    std::vector<double> chainages() const {
+        std::vector<double> at(op_.screens.size(), kNaN);
+        for (std::size_t k = 0; k < site_.screens.size(); ++k)
+            if (op_.screen_of[k] >= 0 && site_.screens[k].line.size() > 1) {
+                double& one = at[static_cast<std::size_t>(op_.screen_of[k])];
+                one = std::fmin(one, op_.axis.crossing(site_.screens[k].line));
+            }
+        return at;
+    }
+
+    /// What the records of one block say of its way down: past a screen, and never seen there, or back above it.
+    void ways_of_blocks() {
+        const std::vector<double> at = chainages();
+        const std::size_t screens = at.size();
+        std::vector<double> reached(o_.blocks.size(), -kInfinity), stopped(o_.blocks.size(), kNaN);
+        std::vector<bool> crossed(o_.blocks.size() * screens, false), known(screens, false);
+        for (const ObservedStop& s : o_.stops) {
+            if (s.block < 0 || !std::isfinite(s.position.x())) continue;
+            const auto b = static_cast<std::size_t>(s.block);
+            stopped[b] = op_.axis.place(s.position.head<2>()).along;
+            reached[b] = stopped[b] - kBack;
+        }
+        for (const ObservedCrossing& c : o_.crossings) {
+            if (c.block < 0) continue;
+            const auto b = static_cast<std::size_t>(c.block), s = static_cast<std::size_t>(c.screen);
+            crossed[b * screens + s] = known[s] = true;
+            reached[b] = std::fmax(reached[b], at[s]);
+        }
+        for (std::size_t s = 0; s < screens; ++s) {
+            Names back, unseen;
+            for (std::size_t b = 0; b < o_.blocks.size(); ++b) {
+                if (crossed[b * screens + s] && stopped[b] < at[s] - kBack) back.add(o_.blocks[b].id);
+                if (known[s] && !crossed[b * screens + s] && reached[b] > at[s]) unseen.add(o_.blocks[b].id);
+            }
+            if (back.count() > 0)
+                find(Severity::Warning, "stop_above_screen",
+                     words(back.counted("block", "blocks"), " crossed ", op_.screens[s], " and stopped more than ",
+                           kBack, " m above it (", back.text(),
+                           "): check their numbers at the screen and at the stops"));
+            if (unseen.count() > 0)
+                find(Severity::Warning, "not_seen_at_screen",
+                     words(
+                         unseen.counted("block", "blocks"), " came past ", op_.screens[s], " without a record there (",
+                         unseen.text(),
+                         "), and count as blocks that did not pass: if the camera missed them, complete the records or "
+                         "leave the numbers of blocks away at that screen"));
+        }
     }
 
     void shares() {

@@ -324,6 +324,24 @@ TEST(Diagnose, PlansATestBeforeAnythingIsMeasured) {
     EXPECT_THAT(text_of(few / "diagnosis.json"), HasSubstr("roughness: said to be absent"));
 }
 
+TEST(Diagnose, FullTakesThreeTimesTheSimulations) {
+    const TempDir folder;
+    const auto simulated = [&](const char* name, const char* full) {
+        std::vector<std::string> args{"--plan",
+                                      "--set",
+                                      "release.count=8",
+                                      "--set",
+                                      "diagnosis.further=false",
+                                      "--set",
+                                      without(R"(, "rolling_speed", "speed_error", "screen_shift", "slow_missed")")};
+        if (*full) args.emplace_back(full);
+        EXPECT_EQ(diagnose(folder / name, args).code, 0);
+        return json::parse(text_of(folder / name / "diagnosis.json")).at("simulated_blocks").get<double>();
+    };
+    const double usual = simulated("usual", ""), full = simulated("full", "--full");
+    EXPECT_NEAR(full / usual, 3.0, 0.5);
+}
+
 TEST(Diagnose, RefusesInOneSentence) {
     const TempDir folder;
     const Outcome nothing = diagnose(folder / "out", {});

@@ -124,6 +124,33 @@ TEST(DiagnoseWords, AStrengthAndWhereItActs) {
     EXPECT_EQ(strength_text(e), "rolling 0.1 m (95 %: 0.05 to 0.2), its middle at 34.4 m (95 %: 0 to 120)");
 }
 
+// What was found on one slope is no law of nature, and a place is none at all.
+TEST(DiagnoseWords, HowFarItMayBeCarried) {
+    const DiagnosisCandidate drag{"ground_drag", "", false, {}}, bias{"speed_error", "", true, {}};
+    DiagnoseStudy study;
+    study.verdict = Verdict::Named;
+    AnswerFit& answer = study.answers.emplace_back();
+    for (const double mass : {420.0, 1900.0}) {
+        answer.campaign.blocks.emplace_back();
+        answer.campaign.blocks.back().mass = mass;
+        answer.campaign.blocks.back().largest_speed = 14.0;
+    }
+    AnsweredEffect e;
+    e.variant.kind = EffectKind::GroundDrag;
+    e.variant.parameter = "coefficient";
+    const auto said = [&](const DiagnosisCandidate& candidate) {
+        e.candidate = &candidate;
+        answer.effects = {e};
+        const std::vector<std::string> remarks = diagnose_remarks(study);
+        return remarks.empty() ? std::string() : remarks.back();
+    };
+    EXPECT_THAT(said(drag), HasSubstr("blocks of 420 to 1.9e+03 kg"));
+    EXPECT_THAT(said(drag), HasSubstr("it may be carried to ground like this"));
+    EXPECT_THAT(said(bias), HasSubstr("says nothing of other slopes"));
+    e.variant.on = Stretch{20.0, 30.0};
+    EXPECT_THAT(said(drag), HasSubstr("belongs to that place"));
+}
+
 TEST(DiagnoseWords, NothingComesNear) {
     DiagnoseStudy study = unknown({}, 1.0);
     EXPECT_EQ(verdict_sentence(study),

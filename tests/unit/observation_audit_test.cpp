@@ -111,13 +111,39 @@ const Plant kPlants[] = {
      Severity::Warning, "too light"},
     {"BlockStoppedTwice", [](GoodTest& t) { t.o.stops[2].block = 1; }, "duplicate_id", Severity::Error,
      "1 block_id has more than one stop (B1)"},
-    {"BlockCrossedTwice", [](GoodTest& t) { t.o.crossings[2].block = 1; }, "duplicate_id", Severity::Error,
-     "B1 at gate"},
+    {"BlockCrossedTwice",
+     [](GoodTest& t) {
+         t.o.crossings[2].block = 1;
+         t.o.stops[2].position = {4.0, 0.0, -1.6};
+     },
+     "duplicate_id", Severity::Error, "B1 at gate"},
     {"IdNotInTheList", [](GoodTest& t) { t.o.blocks[7].id = "X9"; }, "id_not_in_list", Severity::Warning, "(X9)"},
     {"MassOtherThanInTheList", [](GoodTest& t) { t.o.blocks[7].mass = 900.0; }, "mass_differs", Severity::Warning,
      "B7 900 for 1000 kg"},
     {"CrossingFarFromItsScreen", [](GoodTest& t) { t.o.crossings[1].position.x() = 12.0; }, "far_from_screen",
      Severity::Warning, "the farthest by 12.0 m"},
+    {"StopAboveItsScreen",
+     [](GoodTest& t) {
+         t.o.stops[6].position = {-6.0, 0, kNaN};
+     },
+     "stop_above_screen", Severity::Warning, "1 block crossed gate and stopped more than 5 m above it (B6)"},
+    {"StopBelowAScreenThatSawNothingOfIt", [](GoodTest& t) { t.o.crossings.erase(t.o.crossings.begin() + 8); },
+     "not_seen_at_screen", Severity::Warning, "1 block came past gate without a record there (B8)"},
+    {"SeenBelowAndNotAbove",
+     [](GoodTest& t) {
+         t.screens.push_back({"lower gate", {{8, -40}, {8, 40}}});
+         t.site.screens = t.screens;
+         t.op.screens = {"gate", "lower gate"};
+         t.op.screen_of = {0, 1};
+         t.o.stops.clear();
+         for (int k = 0; k < 12; ++k) {
+             t.o.crossings.push_back(t.o.crossings[static_cast<std::size_t>(k)]);
+             t.o.crossings.back().screen = 1;
+             t.o.crossings.back().position.x() = 8.0;
+         }
+         t.o.crossings.erase(t.o.crossings.begin() + 8);
+     },
+     "not_seen_at_screen", Severity::Warning, "1 block came past gate without a record there (B8)"},
     {"MoreStopsThanBlocks", [](GoodTest& t) { t.o.thrown = 5; }, "thrown", Severity::Error,
      "12 blocks stopped, but only 5 were thrown"},
     {"ShareAboveOne",
