@@ -144,7 +144,8 @@ private:
     std::vector<EffectDose> dose_of(std::size_t fingerprint, const Eigen::VectorXd& at) const;
     std::optional<double> left_at(double strength, std::size_t fingerprint);
     std::optional<std::vector<Hypothesis>> strong_finalists();
-    bool find_place_from(const Pursuit& p, std::optional<Hypothesis>& found);
+    bool find_place_from(const Pursuit& p, std::size_t fingerprint, std::optional<Hypothesis>& found);
+    bool pursue_place_from(std::size_t p, std::size_t fingerprint, std::vector<Pursuit>& pursuits, double& least);
     bool look_again(std::vector<Pursuit>& pursuits, double least);
     Pursuit begin(Hypothesis h) const;
     bool advance(Pursuit& p);

@@ -17,6 +17,8 @@ constexpr std::size_t kPlaces = 4;
 /// How many are looked for again, and how much more they may leave than the best of all [-].
 constexpr std::size_t kLookedForAgain = 2;
 constexpr double kWorthAnotherLook = 30.0;
+/// What leaves more than so large a share of its own simulations do may have left the right place out of sight of all others [-].
+constexpr double kDoubtful = 0.2;
 /// Stretches that have so much in common are one and the same then [-].
 constexpr double kNearlySame = 0.5;
 
@@ -139,11 +141,11 @@ bool Diagnoser::look_closer(Diagnosis& d) {
     return true;
 }
 
-/// The place that explains most, seen from the parameters where a pursuit has ended, without the effect: a calibration makes up for a strong one, and
-/// fingerprints that are taken there may point to the wrong place.
-bool Diagnoser::find_place_from(const Pursuit& p, std::optional<Hypothesis>& found) {
+/// The place in which a way to act explains most, seen from the parameters where a pursuit has ended, without its effect: a calibration makes up for a strong
+/// one, and fingerprints that are taken there may point to the wrong place.
+bool Diagnoser::find_place_from(const Pursuit& p, std::size_t fingerprint, std::optional<Hypothesis>& found) {
     const ScoreResult score = (*base_.test)(base_.observed);
-    const EffectDose& effect = variants_[p.best.fingerprint];
+    const EffectDose& effect = variants_[fingerprint];
     const auto strip = std::find_if(variants_.begin(), variants_.end(), [&](const EffectDose& v) {
         return v.effect == effect.effect && v.variant == effect.variant;
     });
@@ -153,21 +155,39 @@ bool Diagnoser::find_place_from(const Pursuit& p, std::optional<Hypothesis>& fou
     if (!build_space(before.space->residuals())) return false;
     const auto parts = take_parts(static_cast<std::size_t>(strip - variants_.begin()), score);
     if (!parts) return false;
-    const Stretches stretches = stretches_of(path_of(p.best.fingerprint), *parts);
+    const Stretches stretches = stretches_of(path_of(fingerprint), *parts);
     const ScoreResult seen = ScoreTest(row_covariance(*base_.space), base_.slopes.directions, deviation_,
                                        stretches.fingerprints)(base_.observed);
     base_ = std::move(before);
     const std::vector<std::size_t> best = best_places(stretches.places, seen.z);
     if (best.empty()) return true;
     const auto at = static_cast<Eigen::Index>(best.front());
-    found = p.best;
+    found = unfollowed(fingerprint);
+    found->parameters = p.best.parameters;
+    found->from_given = p.best.from_given;
     found->on = stretches.places[best.front()];
-    found->strength = std::min(seen.z[at] / std::max(seen.visibility[at], 1e-9), most_of(p.best.fingerprint));
+    found->strength = std::min(seen.z[at] / std::max(seen.visibility[at], 1e-9), most_of(fingerprint));
     found->place_spread = spread_of(best.front(), stretches.places, seen.z);
     return true;
 }
 
-/// The best ones of effects that act in a place once more from where another look finds them, if that is somewhere else.
+/// Follows a way to act from the place that is found for it there, if it was not followed in that place.
+bool Diagnoser::pursue_place_from(std::size_t p, std::size_t fingerprint, std::vector<Pursuit>& pursuits,
+                                  double& least) {
+    std::optional<Hypothesis> found;
+    if (!find_place_from(pursuits[p], fingerprint, found)) return false;
+    if (!found || std::any_of(pursuits.begin(), pursuits.end(), [&](const Pursuit& other) {
+            return same_way(other.best, *found) && nearly_same(*other.best.on, *found->on);
+        }))
+        return true;
+    std::vector<Pursuit> again{begin(std::move(*found))};
+    if (!advance(again.front()) || !pursue(again, least)) return false;
+    pursuits.push_back(std::move(again.front()));
+    return true;
+}
+
+/// The best ones of effects that act in a place once more from where another look finds them, if that is somewhere else; and if the best of all is doubtful,
+/// from there what else acts in a place.
 bool Diagnoser::look_again(std::vector<Pursuit>& pursuits, double least) {
     std::stable_sort(pursuits.begin(), pursuits.end(),
                      [](const Pursuit& a, const Pursuit& b) { return a.best.q < b.best.q; });
@@ -180,15 +200,20 @@ bool Diagnoser::look_again(std::vector<Pursuit>& pursuits, double least) {
             std::any_of(first, here, [&](const Pursuit& better) { return same_way(better.best, p.best); }))
             continue;
         ++looks;
-        std::optional<Hypothesis> found;
-        if (!find_place_from(p, found)) return false;
-        if (!found || std::any_of(pursuits.begin(), pursuits.end(), [&](const Pursuit& other) {
-                return same_way(other.best, p.best) && nearly_same(*other.best.on, *found->on);
-            }))
-            continue;
-        std::vector<Pursuit> again{begin(std::move(*found))};
-        if (!advance(again.front()) || !pursue(again, least)) return false;
-        pursuits.push_back(std::move(again.front()));
+        if (!pursue_place_from(k, p.best.fingerprint, pursuits, least)) return false;
+    }
+    if (pursuits.empty()) return true;
+    const auto best = static_cast<std::size_t>(
+        std::min_element(pursuits.begin(), pursuits.end(),
+                         [](const Pursuit& a, const Pursuit& b) { return a.best.q < b.best.q; }) -
+        pursuits.begin());
+    if (arrived(pursuits[best]).p > kDoubtful) return true;
+    const ScoreResult score = (*base_.test)(base_.observed);
+    for (std::size_t first = 0; first < planned_variants_; ++first) {
+        if (!variants_[first].on) continue;
+        const std::size_t strip = std::exchange(first, first + kStrips - 1);
+        const bool own = pursuits[best].best.on && same_way(unfollowed(strip), pursuits[best].best);
+        if (!own && visible_anywhere(strip, score) && !pursue_place_from(best, strip, pursuits, least)) return false;
     }
     return true;
 }
