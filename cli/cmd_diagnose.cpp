@@ -136,7 +136,7 @@ gis::ResultsPackage results_of(const DiagnoseStudy& study, const SiteModel& mode
     package.frame = model.terrain.data.frame;
     package.title = study.site.settings.name + ": diagnosis";
     const AnswerFit* answer = study.answer();
-    const bool judged = !study.planning && !study.before.observables.empty();
+    const bool judged = study.judged();
     const bool in_space = answer && answer->in_space();
     if (judged) {  // that of site_extended.toml, but for a third dimension, which has no profile
         const CampaignResult& shown = !answer ? study.tested_campaign : in_space ? study.campaign : answer->campaign;
@@ -175,7 +175,7 @@ gis::ResultsPackage results_of(const DiagnoseStudy& study, const SiteModel& mode
         for (const Figure& f : *list) package.files.push_back({"figures/" + f.file, f.svg});
     package.files.push_back({"diagnosis.json", diagnose_json(study)});
     package.files.push_back({"report.html", diagnose_html(study, figures, before, after)});
-    for (std::size_t k = 0; judged && k < study.site_files(); ++k)
+    for (std::size_t k = 0; k < study.site_files(); ++k)
         package.files.push_back({extended_name(k), extended_toml(study, k, folder)});
     return package;
 }
@@ -272,8 +272,7 @@ ExitCode run_diagnose(const Context& context) {
     store.remove();
     if (context.quiet) return ExitCode::Done;
     print_diagnosis(*context.out, study);
-    const bool judged = !study.planning && !study.before.observables.empty();
-    for (std::size_t k = 0; judged && k < study.site_files(); ++k)
+    for (std::size_t k = 0; k < study.site_files(); ++k)
         *context.out << "site file      " << (folder / extended_name(k)).string() << "\n";
     *context.out << "report         " << (folder / "report.html").string() << " (beside it diagnosis.json, figures)\n";
     return ExitCode::Done;

@@ -94,8 +94,10 @@ struct DiagnoseStudy {
         if (verdict == Verdict::Unknown) return 0;
         return verdict == Verdict::Group ? answers.size() : std::min<std::size_t>(answers.size(), 1);
     }
-    /// Site files to write: one for each answer that stands, else that of the model that was tested.
-    std::size_t site_files() const { return std::max<std::size_t>(standing(), 1); }
+    /// Measurements were held against the model.
+    bool judged() const { return !planning && !before.observables.empty(); }
+    /// Site files to write: one for each answer that stands, else that of the model that was tested; none where nothing was judged.
+    std::size_t site_files() const { return judged() ? std::max<std::size_t>(standing(), 1) : 0; }
     const DiagnosisCandidate& candidate_of(const EffectFinding& f) const { return catalogue.candidates[f.effect]; }
     /// The parameters without effect that all measurements together ask for: the calibration minimises a part of them.
     CalibrationPoint tested_point() const;

@@ -60,6 +60,8 @@ TEST(DiagnoseExtended, EveryMemberOfAGroupHasAFile) {
     DiagnoseStudy study = named(quarry_a() / "site.toml", kDrag, placed);
     placed.kind = EffectKind::ForestDrag;
     study.answers.emplace_back().effects.push_back({&kForest, placed, {}, 2.0, {}});
+    EXPECT_EQ(study.site_files(), 0U) << "measurements that cannot be used";
+    study.before.observables.emplace_back();
     EXPECT_EQ(study.site_files(), 1U);
     study.verdict = Verdict::Group;
     ASSERT_EQ(study.site_files(), 2U);
