@@ -359,9 +359,10 @@ void add_diagnosis(std::vector<Setting<SiteSettings>>& keys) {
     keys.push_back(d.flag("further", AT(diagnosis_further),
                           "After UNKNOWN, say when and where an unnamed force acts; after GROUP, what else to measure. "
                           "false saves the time."));
-    keys.push_back(d.integer("generations", {4, 1000}, AT(diagnosis.generations),
-                             "Of a search all over the ranges for these effects, about so many, before they are "
-                             "followed from the best place seen; forms of theirs that leave more end earlier."));
+    keys.push_back(d.integer("wide_search", {40, 10000}, AT(diagnosis.wide_search),
+                             "Simulations of every block in a search all over the ranges for each form of these "
+                             "effects, before they are followed from the best place found; forms of theirs that "
+                             "leave more end earlier."));
     keys.push_back(d.integer("rounds", {1, 100}, AT(diagnosis.rounds),
                              "Surveys on the way there, of simulations all around, at most."));
 }

@@ -43,6 +43,12 @@ inline constexpr double kShortestShare = 0.02, kLongestShare = 0.5;
 /// Least strength that is followed, as a share of the largest [-].
 inline constexpr double kLeastStrength = 0.01;
 
+/// Telling steps, in standard deviations of an unknown if all else were known; and the shortest of parameters, of a range [-].
+inline constexpr double kTellingStep = 1.5, kLeastStep = 0.005;
+
+/// What leaves so much more than the best one, with less than that to gain, is not followed any further [-].
+inline constexpr double kFarBehind = 15.0;
+
 /// A finalist that is no effect: the model itself.
 inline constexpr std::size_t kNoEffect = static_cast<std::size_t>(-1);
 /// One effect, or none, with its parameters, as far as it has been followed.
@@ -56,7 +62,7 @@ struct Hypothesis {
     double place_spread = 0.0;       ///< of the middle, as fingerprints of places nearby have it [m]
     double length_deviation = kNaN;  ///< of its logarithm [-]
     std::vector<double> parameter_deviation;
-    Eigen::VectorXd step;  ///< of a survey around all of them
+    Eigen::VectorXd step;  ///< of a survey around all of them; before the first one, nothing: unknown
     double q = kInfinity;  ///< what is left [-]
     double p = 0.0;
     bool from_given = false;  ///< followed from the parameters that the site was given
@@ -135,6 +141,7 @@ private:
         return deviation_.size() + (fingerprint == kNoEffect ? 0 : variants_[fingerprint].on ? 3 : 1);
     }
     Eigen::VectorXd next_steps(const Survey& s, std::size_t fingerprint) const;
+    Eigen::VectorXd limited(Eigen::VectorXd step, const Eigen::VectorXd& at, std::size_t fingerprint) const;
     static bool comparable(const ResidualMean& measured, const ResidualMean& with);
     bool simulates_enough(const ResidualMean& simulated, std::size_t rows) const;
     void judge(Hypothesis& h, const Survey& s) const;
@@ -154,7 +161,8 @@ private:
     struct WideSearch;
     WideSearch search_for(Hypothesis h);
     Eigen::VectorXd unknowns_at(const WideSearch& w, const Eigen::VectorXd& u) const;
-    bool search(WideSearch& w, int generations);
+    bool search(WideSearch& w, std::size_t trials);
+    double spread_near(const Hypothesis& h) const;
     Hypothesis found_by(const WideSearch& w) const;
     bool search_widely(const std::vector<Hypothesis>& chosen, std::vector<Hypothesis>& found);
     std::optional<Hypothesis> search_without();

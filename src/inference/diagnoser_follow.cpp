@@ -27,9 +27,8 @@ constexpr double kTrust = 4.0;
 constexpr int kSweeps = 300;
 /// Step of the strength: z that it makes, share of the strength where that was scanned for, and share of the largest strength at most [-].
 constexpr double kStrengthStep = 1.5, kStrengthShare = 0.2, kMostStrengthStep = 0.25;
-/// Steps of a place: z that they make; of the middle at most and at least, of the length and of the path; of the logarithm of the length [-].
-constexpr double kPlaceStep = 1.5, kMostMiddleStep = 0.3, kLeastMiddleStep = 0.004, kMostLengthStep = 0.5,
-                 kLeastLengthStep = 0.1;
+/// Steps of a place: of the middle at most and at least, of the length and of the path; of the logarithm of the length [-].
+constexpr double kMostMiddleStep = 0.3, kLeastMiddleStep = 0.004, kMostLengthStep = 0.5, kLeastLengthStep = 0.1;
 /// Finalists that leave so much more than the best one at most are surveyed once more with it, by so many times the repeats [-].
 constexpr double kCloseRace = 10.0;
 constexpr std::int64_t kRaceRepeats = 2;
@@ -40,8 +39,6 @@ constexpr double kHopeless = 0.25;
 constexpr std::int64_t kFitDraws = 299;
 /// In how many places of one effect more than one survey is made [-].
 constexpr std::ptrdiff_t kPlacesOfOne = 2;
-/// What leaves so much more than the best one, with less than that to gain, is not followed any further [-].
-constexpr double kFarBehind = 15.0;
 
 }  // namespace
 
@@ -274,18 +271,33 @@ Eigen::VectorXd Diagnoser::next_steps(const Survey& s, std::size_t fingerprint) 
     const Eigen::Index count = deviation_.size();
     Eigen::VectorXd step = s.step;
     step.head(count) = telling_steps(s.slopes, s.covariance, s.observed.together);
-    if (step.size() <= count + 1) return step;
-    const Eigen::MatrixXd J = s.slopes.directions.rightCols(2);
-    const Eigen::LLT<Eigen::MatrixXd> factor(mean_covariance(s.covariance, s.observed.together));
-    const Eigen::ArrayXd telling =
-        kPlaceStep / J.cwiseProduct(factor.solve(J)).colwise().sum().transpose().array().max(1e-24).sqrt();
-    const double length = std::exp(s.at[count + 2]), least = kLeastMiddleStep * path_of(fingerprint).length();
-    step[count + 1] = std::clamp(telling[0], least, std::max(least, kMostMiddleStep * length));
-    step[count + 2] = std::clamp(telling[1], kLeastLengthStep, kMostLengthStep);
+    if (step.size() > count + 1) {
+        const Eigen::MatrixXd J = s.slopes.directions.rightCols(2);
+        const Eigen::LLT<Eigen::MatrixXd> factor(mean_covariance(s.covariance, s.observed.together));
+        step.tail(2) =
+            kTellingStep / J.cwiseProduct(factor.solve(J)).colwise().sum().transpose().array().max(1e-24).sqrt();
+    }
+    return limited(std::move(step), s.at, fingerprint);
+}
+
+/// Neither longer than derivatives hold nor shorter than makes sense.
+Eigen::VectorXd Diagnoser::limited(Eigen::VectorXd step, const Eigen::VectorXd& at, std::size_t fingerprint) const {
+    const Eigen::Index count = deviation_.size();
+    step.head(count) =
+        step.head(count).cwiseMin(Eigen::Map<const Eigen::VectorXd>(problem_.step.data(), count)).cwiseMax(kLeastStep);
+    if (step.size() > count) {
+        const double most = most_of(fingerprint);
+        step[count] = std::clamp(step[count], kLeastStrength * most, kMostStrengthStep * most);
+    }
+    if (step.size() > count + 1) {
+        const double length = std::exp(at[count + 2]), least = kLeastMiddleStep * path_of(fingerprint).length();
+        step[count + 1] = std::clamp(step[count + 1], least, std::max(least, kMostMiddleStep * length));
+        step[count + 2] = std::clamp(step[count + 2], kLeastLengthStep, kMostLengthStep);
+    }
     return step;
 }
 
-/// From the base, whose derivatives are known.
+/// From the base, whose derivatives are known, or from where the steps are: no way is left there to be looked for with few simulations.
 Diagnoser::Pursuit Diagnoser::begin(Hypothesis h) const {
     const bool any = h.fingerprint != kNoEffect;
     const Eigen::Index count = base_.parameters.size(), size = count_of(h.fingerprint);
@@ -295,6 +307,13 @@ Diagnoser::Pursuit Diagnoser::begin(Hypothesis h) const {
     p.start = unknowns_of(h);
     Survey& s = p.here;
     s.at = p.start;
+    if (h.step.size() > 0) {
+        s.step = h.step;
+        p.on_the_way = false;
+        p.best = std::move(h);
+        p.best.q = kInfinity;
+        return p;
+    }
     s.step = base_.step;
     s.slopes = base_.slopes;
     s.covariance = row_covariance(*base_.space);

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Looking far from the model, with few simulations, for what is then followed: strong effects, and parameters and strengths from all over their ranges.
-#include "inference/cma_es.hpp"
 #include "inference/diagnoser.hpp"
+#include "inference/emulated_search.hpp"
 
 #include "scree/base/random.hpp"
 
@@ -13,21 +13,18 @@ namespace scree {
 
 namespace {
 
-/// Strong effects are looked for at strengths that grow by this factor, until so many times as much is left as at the best one [-].
+/// Strong effects are looked for at strengths that grow by this factor; and how many times as much as at the best one is too much to go on [-].
 constexpr double kGrow = 2.5, kMuchMore = 2.0;
 /// How many variants, of those whose fingerprints explain most, are looked at so; and of one effect at most; and how many of these are followed [-].
 constexpr std::size_t kScanned = 32, kScannedOfOne = 8, kChosenOfOne = 2;
-/// A search all over the ranges: share of the generations that every form has, then the better half, and so on; standard deviation of the first one, of the
-/// ranges [-].
-constexpr std::array kStages{0.15, 0.15, 0.3, 0.4};
-constexpr double kWidely = 0.3;
+/// Searches all over the ranges of one form, each of them with trials of its own; share of the trials that every one has, then those of the better half, and so on [-].
+constexpr std::size_t kStarts = 2;
+constexpr std::array kStages{0.2, 0.2, 0.25, 0.35};
+/// Variance that the noise of a trial has at least: of the measured mean, which has as many rows [-].
+constexpr double kLeastNoise = 0.25;
 
-int generations_in(double stage, int all) {
-    return std::max(1, static_cast<int>(std::lround(stage * all)));
-}
-
-std::size_t simulations_in(int generations, Eigen::Index unknowns) {
-    return static_cast<std::size_t>(generations * CmaEs::default_population(static_cast<std::size_t>(unknowns)));
+std::size_t trials_in(double stage, std::size_t all) {
+    return static_cast<std::size_t>(std::lround(stage * static_cast<double>(all)));
 }
 
 }  // namespace
@@ -88,10 +85,8 @@ std::optional<std::vector<Hypothesis>> Diagnoser::strong_finalists() {
 struct Diagnoser::WideSearch {
     Hypothesis h;
     Eigen::VectorXd low, high;  ///< of the parameters, the logarithm of the strength, and the place
-    CmaEs search;
-    Eigen::VectorXd best = Eigen::VectorXd::Constant(
-        low.size(), 0.5);     ///< seen so far: after so few generations the mean lies between valleys
-    double left = kInfinity;  ///< there [-]
+    EmulatedSearch search;      ///< of the residuals in units of their noise
+    std::size_t trials = 0, wanted = 0;
 };
 
 Diagnoser::WideSearch Diagnoser::search_for(Hypothesis h) {
@@ -109,58 +104,82 @@ Diagnoser::WideSearch Diagnoser::search_for(Hypothesis h) {
         high.tail(2) << path.to, std::log(kLongestShare * path.length());
     }
     return {std::move(h), std::move(low), std::move(high),
-            CmaEs(Eigen::VectorXd::Constant(size, 0.5), kWidely, 0,
-                  RandomStream(settings_.seed, next_seed_++, RandomPurpose::Calibration))};
+            EmulatedSearch(size, kLeastNoise, RandomStream(settings_.seed, next_seed_++, RandomPurpose::Calibration))};
 }
 
 Eigen::VectorXd Diagnoser::unknowns_at(const WideSearch& w, const Eigen::VectorXd& u) const {
-    Eigen::VectorXd at = w.low.array() + u.unaryExpr(&reflected).array() * (w.high - w.low).array();
+    Eigen::VectorXd at = w.low.array() + u.array() * (w.high - w.low).array();
     const Eigen::Index count = base_.parameters.size();
     if (at.size() > count) at[count] = std::exp(at[count]);
     return within(std::move(at), w.h.fingerprint);
 }
 
-bool Diagnoser::search(WideSearch& w, int generations) {
+/// So many more trials, in whole groups.
+bool Diagnoser::search(WideSearch& w, std::size_t trials) {
     const Eigen::LLT<Eigen::MatrixXd> factor(mean_covariance(row_covariance(*base_.space), base_.observed.together));
-    for (int generation = 0; generation < generations; ++generation) {
-        const std::vector<Eigen::VectorXd> candidates = w.search.ask();
-        std::vector<double> losses;
-        for (const Eigen::VectorXd& u : candidates) {
+    for (w.wanted += trials; w.trials < w.wanted;) {
+        std::vector<Eigen::VectorXd> told;
+        for (const Eigen::VectorXd& u : w.search.ask()) {
             const Eigen::VectorXd at = unknowns_at(w, u);
             const auto table =
                 simulate("wide search", at.head(base_.parameters.size()), dose_of(w.h.fingerprint, at), 1);
             if (!table) return false;
             const ResidualMean mean = mean_residual(base_.space->of(*table));
-            const Eigen::VectorXd left = base_.observed.mean - mean.mean;
-            losses.push_back(simulates_enough(mean, table->rows()) ? left.dot(factor.solve(left)) : kInfinity);
-            if (!(losses.back() < w.left)) continue;
-            w.left = losses.back();
-            w.best = u;
+            told.push_back(simulates_enough(mean, table->rows())
+                               ? Eigen::VectorXd(factor.matrixL().solve(base_.observed.mean - mean.mean))
+                               : Eigen::VectorXd());
         }
-        w.search.tell(losses);
+        w.search.tell(told);
+        w.trials += told.size();
     }
     return true;
 }
 
+/// As the closer look has it for the nearest place in which this way to act explains most; 0 if it has found none.
+double Diagnoser::spread_near(const Hypothesis& h) const {
+    double nearest = kInfinity, spread = 0.0;
+    for (std::size_t k = planned_variants_; k < variants_.size(); ++k) {
+        const double far = std::abs(variants_[k].on->middle() - h.on->middle());
+        if (!same_way(unfollowed(k), h) || !(far < nearest)) continue;
+        nearest = far;
+        spread = place_spread_[k - planned_variants_];
+    }
+    return spread;
+}
+
+/// With the steps that its derivatives ask for.
 Hypothesis Diagnoser::found_by(const WideSearch& w) const {
-    const Eigen::VectorXd at = unknowns_at(w, w.best);
+    const Eigen::VectorXd at = unknowns_at(w, w.search.best());
     const Eigen::Index count = base_.parameters.size();
     Hypothesis h = w.h;
     h.parameters = at.head(count);
-    if (h.fingerprint == kNoEffect) return h;
-    h.strength = at[count];
-    h.on = dose_of(h.fingerprint, at).front().on;
+    if (h.fingerprint != kNoEffect) {
+        h.strength = at[count];
+        h.on = dose_of(h.fingerprint, at).front().on;
+        if (h.on) h.place_spread = spread_near(h);
+    }
+    const Eigen::MatrixXd slopes = w.search.slopes();
+    if (slopes.rows() == 0) return h;
+    Eigen::VectorXd step = kTellingStep / slopes.colwise().norm().transpose().array().max(1e-12);
+    step.array() *= (w.high - w.low).array();
+    if (step.size() > count) step[count] *= h.strength;  // of its logarithm, before
+    h.step = limited(std::move(step), at, h.fingerprint);
     return h;
 }
 
 std::optional<Hypothesis> Diagnoser::search_without() {
-    WideSearch w = search_for({});
-    planned_ += simulations_in(settings_.generations, w.low.size());
-    if (!search(w, settings_.generations)) return std::nullopt;
-    return found_by(w);
+    planned_ += kStarts * settings_.wide_search;
+    std::vector<WideSearch> ways;
+    for (std::size_t k = 0; k < kStarts; ++k) {
+        ways.push_back(search_for({}));
+        if (!search(ways.back(), settings_.wide_search)) return std::nullopt;
+    }
+    return found_by(*std::min_element(ways.begin(), ways.end(), [](const WideSearch& a, const WideSearch& b) {
+        return a.search.left() < b.search.left();
+    }));
 }
 
-/// Every form of the effects that were chosen; after some generations the better half of them goes on, and so to the end. Once each: it depends little on the base.
+/// Every form of the effects that were chosen; after some trials the better half of the searches goes on, and so to the end. Once each: it depends little on the base.
 bool Diagnoser::search_widely(const std::vector<Hypothesis>& chosen, std::vector<Hypothesis>& found) {
     const ScoreResult score = (*base_.test)(base_.observed);
     const auto better_half = [&](std::size_t of) { return std::min(std::max((of + 1) / 2, settings_.finalists), of); };
@@ -175,22 +194,24 @@ bool Diagnoser::search_widely(const std::vector<Hypothesis>& chosen, std::vector
                         [&](const Hypothesis& known) { return same_way(known, h); }))
             continue;
         searched_widely_.push_back(h);
-        ways.push_back(search_for(h));
+        for (std::size_t start = 0; start < kStarts; ++start) ways.push_back(search_for(h));
     }
     std::size_t left = ways.size();
     for (const double stage : kStages) {
-        const int generations = generations_in(stage, settings_.generations);
-        planned_ += ways.empty() ? 0 : left * simulations_in(generations, ways.front().low.size());
+        planned_ += left * trials_in(stage, settings_.wide_search);
         left = better_half(left);
     }
     for (const double stage : kStages) {
         for (WideSearch& w : ways)
-            if (!search(w, generations_in(stage, settings_.generations))) return false;
+            if (!search(w, trials_in(stage, settings_.wide_search))) return false;
         std::stable_sort(ways.begin(), ways.end(),
-                         [](const WideSearch& a, const WideSearch& b) { return a.left < b.left; });
+                         [](const WideSearch& a, const WideSearch& b) { return a.search.left() < b.search.left(); });
         ways.erase(ways.begin() + static_cast<std::ptrdiff_t>(better_half(ways.size())), ways.end());
     }
-    for (const WideSearch& w : ways) found.push_back(found_by(w));
+    for (const WideSearch& w : ways)  // of every form the better search
+        if (w.search.left() <= kMuchMore * ways.front().search.left() + kFarBehind &&
+            std::none_of(found.begin(), found.end(), [&](const Hypothesis& better) { return same_way(better, w.h); }))
+            found.push_back(found_by(w));
     return true;
 }
 

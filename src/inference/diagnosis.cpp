@@ -30,8 +30,8 @@ constexpr int kTakenAgain = 2;
 /// How often the calibrated model is moved to where its residuals ask for [-], and by how much at least, in standard deviations.
 constexpr int kRecentrings = 2;
 constexpr double kLeastMove = 1.5;
-/// Telling steps, in standard deviations of the parameter if all else were known; how many times as long steps are too far [-]; and the shortest, of a range [-].
-constexpr double kTellingStep = 1.5, kFarStep = 2.0, kLeastStep = 0.005;
+/// How many times as long as telling ones steps are too far [-].
+constexpr double kFarStep = 2.0;
 /// Share of a derivative's squared length that is taken for noise, at most [-].
 constexpr double kMostNoise = 0.5;
 /// Three standard deviations of the difference between what two surveys leave, of Q [-].

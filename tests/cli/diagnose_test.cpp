@@ -56,7 +56,7 @@ std::vector<std::string> diagnosis(const fs::path& output, const std::vector<std
           "calibration.search_repeats=3", "calibration.surroundings=8", "calibration.repeats=3",
           "calibration.final_repeats=5", "calibration.folds=2", "calibration.draws=200", "observed.draws=200",
           "diagnosis.reference_repeats=24", "diagnosis.repeats=8", "diagnosis.draws=199", "diagnosis.finalists=2",
-          "diagnosis.rounds=1", "diagnosis.generations=6"}) {
+          "diagnosis.rounds=1", "diagnosis.wide_search=40"}) {
         args.push_back("--set");
         args.push_back(set);
     }
@@ -231,7 +231,7 @@ TEST(Diagnose, WhatActsInAPlaceIsALayerOfItsOwn) {
     const fs::path out = folder / "out";
     const Outcome run = diagnose(
         out, {"--observed", (folder / "field").string(), "--set", "diagnosis.rounds=2", "--set",
-              "diagnosis.generations=40", "--set",
+              "diagnosis.wide_search=200", "--set", "diagnosis.repeats=16", "--set",
               R"(diagnosis.without=["low_friction", "forest_drag", "slip_friction", "rolling_size", "rolling_speed", )"
               R"("restitution_mass", "restitution_half_speed", "fragmentation", "release_motion", "block_shape", )"
               R"("roughness", "ground_drag", "third_dimension", "screen_shift", "slow_missed", "ids_shuffled"])"});

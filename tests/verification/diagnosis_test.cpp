@@ -158,12 +158,21 @@ TEST(Diagnosis, SimulatesLittleOfWhatIsFarBehind) {
         for (const EffectDose& d : task.effects) simulated[d.effect] += t.block.size();
         return std::optional(t);
     };
-    for (std::uint64_t k = 0; k < 3; ++k) {
+    int far_behind = 0;
+    for (std::uint64_t k = 0; k < 8 && far_behind < 2; ++k) {
+        const std::vector<std::size_t> before = simulated;
         const Diagnosis d =
             diagnose(problem, measured(blocks, 100 + k, {{kMassTrend, 0, 5.0}}), quick(k), simulate, {});
         EXPECT_EQ(d.findings.front().effect, kMassTrend);
+        const auto sorted = std::find_if(d.findings.begin(), d.findings.end(),
+                                         [](const EffectFinding& f) { return f.effect == kSorted; });
+        if (sorted->misfit > d.findings.front().misfit + 15.0)
+            ++far_behind;
+        else
+            simulated = before;  // near enough to be followed
     }
-    EXPECT_LT(simulated[kSorted], simulated[kMassTrend] / 2);  // 0.43 of it; followed to its end 0.63
+    ASSERT_GE(far_behind, 2);
+    EXPECT_LT(simulated[kSorted], simulated[kMassTrend] / 2);  // 0.45 of it
     for (const std::size_t unlike : {kSpeedCap, kDepositAt50, kSpeedBias})
         EXPECT_LT(simulated[unlike], simulated[kMassTrend] / 20);  // their fingerprints
 }

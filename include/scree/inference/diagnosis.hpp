@@ -78,8 +78,8 @@ struct DiagnosisSettings {
     std::int64_t draws = 999;   ///< of chance [-]
     double level = 0.05;        ///< share of models without a flaw that are rejected [-]
     std::size_t finalists = 6;  ///< effects that are simulated at their best strength [-]
-    int generations =
-        40;  ///< of a search all over the ranges, about, for a form that goes on to its end: one in each stage at least [-]
+    std::size_t wide_search =
+        200;  ///< simulations of a search all over the ranges, for a form that goes on to its end; a fifth at least for every one [-]
     int rounds = 6;  ///< surveys on the way there, at most: it ends where it has settled [-]
     double prior_none =
         0.5;  ///< weight of the calibrated model before the data, once the test has rejected it; the effects share the rest [-]
