@@ -177,7 +177,7 @@ TEST(Diagnosis, SimulatesLittleOfWhatIsFarBehind) {
         EXPECT_LT(simulated[unlike], simulated[kMassTrend] / 20);  // their fingerprints
 }
 
-// Searches all over the ranges are most of it, and known beforehand: whoever asks for the time left is not told that of the next generation.
+// Searches all over the ranges are most of it, and known beforehand: whoever asks for the time left is not told that of the next group of trials.
 TEST(Diagnosis, PlansItsWideSearchesToTheirEnd) {
     const auto blocks = blocks_of_test();
     std::set<std::size_t> planned;
