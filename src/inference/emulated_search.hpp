@@ -27,7 +27,7 @@ public:
     /// Residuals of the trials that were asked for last, in their order; empty where a trial says nothing: places like that are left alone.
     void tell(const std::vector<Eigen::VectorXd>& residuals);
 
-    /// Of the trials that for which the least sum is expected, and what is expected there; infinite, and the middle of the cube, as long as none says anything.
+    /// The trial for which the least sum is expected, and what is expected there; infinite, and the middle of the cube, as long as none says anything.
     const Eigen::VectorXd& best() const { return best_; }
     double left() const { return left_; }
     /// Derivatives of the residuals there, one row per residual, one column per coordinate; as long as nothing is known, no rows.

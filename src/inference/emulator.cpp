@@ -13,8 +13,8 @@ namespace scree {
 
 namespace {
 
-/// Variance of the plane, over that of the process: at the middle of the cube, and that its slopes add at its corners, per coordinate [-].
-constexpr double kPlane = 100.0;
+/// Variance of the plane, over that of the process: at the middle of the cube, and of its slopes, so that every coordinate adds as much at the sides [-].
+constexpr double kPlane = 100.0, kPlaneSlope = 4.0 * kPlane;
 /// Noise over variance that is looked at: least, factor and number [-].
 constexpr double kLeastRatio = 1e-4, kRatioFactor = 3.1622776601683795;
 constexpr int kRatios = 15;
@@ -28,7 +28,7 @@ double matern(double r) {
 
 /// Of the plane at one place, per place and point.
 Eigen::MatrixXd of_plane(const Eigen::MatrixXd& a, const Eigen::MatrixXd& b) {
-    return (kPlane + 4.0 * kPlane * ((a.array() - 0.5).matrix() * (b.array() - 0.5).matrix().transpose()).array())
+    return (kPlane + kPlaneSlope * ((a.array() - 0.5).matrix() * (b.array() - 0.5).matrix().transpose()).array())
         .matrix();
 }
 
@@ -81,7 +81,7 @@ Emulator::Prediction Emulator::at(const Eigen::MatrixXd& places) const {
     Prediction p;
     p.mean = (with * alpha_).rowwise() + middle_;
     const Eigen::VectorXd alone =
-        (1.0 + kPlane + 4.0 * kPlane * (places.array() - 0.5).square().rowwise().sum()).matrix();
+        (1.0 + kPlane + kPlaneSlope * (places.array() - 0.5).square().rowwise().sum()).matrix();
     p.variance = -((with * axes_).cwiseAbs2() * shrink_);
     p.variance.colwise() += alone;
     p.variance = p.variance.cwiseMax(0.0) * variance_.asDiagonal();
@@ -92,7 +92,7 @@ Eigen::MatrixXd Emulator::slopes(const Eigen::VectorXd& place) const {
     const Eigen::VectorXd r = distances(place.transpose(), points_, lengths_).transpose();
     const Eigen::VectorXd fall =
         r.unaryExpr([](double d) { return -5.0 / 3.0 * (1.0 + std::sqrt(5.0) * d) * std::exp(-std::sqrt(5.0) * d); });
-    Eigen::MatrixXd of_each = 4.0 * kPlane * (points_.array() - 0.5).matrix();  // points x coordinates
+    Eigen::MatrixXd of_each = kPlaneSlope * (points_.array() - 0.5).matrix();  // points x coordinates
     of_each += fall.asDiagonal() * ((-points_).rowwise() + place.transpose()) *
                lengths_.cwiseAbs2().cwiseInverse().asDiagonal();
     return alpha_.transpose() * of_each;
@@ -101,21 +101,24 @@ Eigen::MatrixXd Emulator::slopes(const Eigen::VectorXd& place) const {
 Eigen::VectorXd Emulator::likely_lengths(const Eigen::MatrixXd& points, const Eigen::MatrixXd& values,
                                          Eigen::VectorXd lengths, double least_noise) {
     double most = Emulator(points, values, lengths, least_noise).log_likelihood();
-    for (Eigen::Index k = 0; k < lengths.size(); ++k)
-        for (const double factor : {kLengthFactor, 1.0 / kLengthFactor}) {
-            bool moved = false;
-            for (;;) {
-                Eigen::VectorXd other = lengths;
-                other[k] *= factor;
-                if (other[k] < kLeastLength || other[k] > kMostLength) break;
-                const double likely = Emulator(points, values, other, least_noise).log_likelihood();
-                if (!(likely > most)) break;
-                most = likely;
-                lengths = std::move(other);
-                moved = true;
-            }
-            if (moved) break;
+    const auto improves = [&](Eigen::Index k, double factor) {
+        Eigen::VectorXd other = lengths;
+        other[k] *= factor;
+        if (other[k] < kLeastLength || other[k] > kMostLength) return false;
+        const double likely = Emulator(points, values, other, least_noise).log_likelihood();
+        if (!(likely > most)) return false;
+        most = likely;
+        lengths = std::move(other);
+        return true;
+    };
+    for (Eigen::Index k = 0; k < lengths.size(); ++k) {
+        const double before = lengths[k];
+        while (improves(k, kLengthFactor)) {
         }
+        if (lengths[k] != before) continue;
+        while (improves(k, 1.0 / kLengthFactor)) {
+        }
+    }
     return lengths;
 }
 

@@ -105,7 +105,7 @@ Eigen::VectorXd without_noise(const Eigen::VectorXd& u) {
     const double narrow = (u.array() - 0.75).matrix().norm(), broad = (u.array() - 0.25).matrix().norm();
     for (Eigen::Index k = 0; k < 6; ++k) {
         const double along = u[k] + 0.3 * u[(k + 1) % 6] * u[(k + 1) % 6];
-        r[k] = std::min(12.0 * (along - (0.75 + 0.3 * 0.75 * 0.75)), 1e9) * std::min(1.0, 2.0 * broad);
+        r[k] = 12.0 * (along - (0.75 + 0.3 * 0.75 * 0.75)) * std::min(1.0, 2.0 * broad);
         r[k + 6] = std::sqrt(40.0 / 6.0) * std::min(1.0, 2.0 * narrow);
     }
     return r;

@@ -172,7 +172,7 @@ TEST(Diagnosis, SimulatesLittleOfWhatIsFarBehind) {
             simulated = before;  // near enough to be followed
     }
     ASSERT_GE(far_behind, 2);
-    EXPECT_LT(simulated[kSorted], simulated[kMassTrend] / 2);  // 0.45 of it
+    EXPECT_LT(simulated[kSorted], simulated[kMassTrend] / 2);  // 0.35 of it; where it is near, 0.6 to 1.1
     for (const std::size_t unlike : {kSpeedCap, kDepositAt50, kSpeedBias})
         EXPECT_LT(simulated[unlike], simulated[kMassTrend] / 20);  // their fingerprints
 }
