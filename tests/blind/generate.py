@@ -344,8 +344,11 @@ class Case:
             return math.sqrt(self.n * max(least, 0.0))
         return delta
 
-    def settled(self, work, effects, fault=None):
-        """delta after a recalibration all over the ranges: along lines through the best point so far, then by the cross-entropy method, at last by derivatives."""
+    def settled(self, work, effects, fault=None, rough=False):
+        """delta after a recalibration all over the ranges: along lines through the best point so far, then by the cross-entropy method, at last by derivatives. With half the blocks and steps it is good
+        enough to correct a strength by."""
+        share = 2 if rough else 1
+        count, along, generations = self.args.count // share, ALONG // share, GENERATIONS // share
         keys = [(soil, key) for soil in self.soils for key in ABSORBING]
         low, high = (np.array([math.log(ABSORBING[key][k]) if key == "rolling" else ABSORBING[key][k] for _, key in keys]) for k in (1, 2))
         width = np.array([ABSORBING[key][0] for _, key in keys]) / (high - low)
@@ -361,8 +364,8 @@ class Case:
             thrown = self.throw(work, count, seed, None if u is None else soils_at(u), effects)[0]
             return self.features(self.measure(thrown, np.random.default_rng(seed + 1), fault), scale)
 
-        sample(self.args.count, seeds[0])  # sets the scale
-        searched = min(SEARCHED, self.args.count)
+        sample(count, seeds[0])  # sets the scale
+        searched = min(SEARCHED // share, count)
         hidden = sample(searched, seeds[1], None, effects, fault)
 
         def left(u):
@@ -372,24 +375,24 @@ class Case:
         best = (truth - low) / (high - low)
         best = (left(best), best)
         for axes in [] if self.args.search == "none" else [[k for k, (_, key) in enumerate(keys) if key == one] for one in ABSORBING] + [[k] for k in range(len(keys))]:
-            line = np.tile(best[1], (ALONG, 1))
-            line[:, axes] = np.linspace(0.04, 0.96, ALONG)[:, None]
+            line = np.tile(best[1], (along, 1))
+            line[:, axes] = np.linspace(0.04, 0.96, along)[:, None]
             best = min([best] + [(left(u), u) for u in line], key=lambda pair: pair[0])
         mean, deviation = best[1], np.full(len(keys), 0.06)
-        for _ in range(0 if self.args.search == "none" else GENERATIONS):
+        for _ in range(0 if self.args.search == "none" else generations):
             elite = sorted([(left(u), u) for u in np.clip(mean + deviation * chance.standard_normal((POPULATION, len(keys))), 0.0, 1.0)],
                            key=lambda pair: pair[0])[:ELITE]
             best = min(best, elite[0], key=lambda pair: pair[0])
             chosen = np.array([u for _, u in elite] + [best[1]])
             mean, deviation = chosen.mean(axis=0), np.maximum(0.6 * chosen.std(axis=0) + 0.35 * deviation, 0.005)
-        whiten = whitening(sample(2 * self.args.count, seeds[2], mean))
+        whiten = whitening(sample(2 * count, seeds[2], mean))
         J = []
         for k in range(len(keys)):
             ends = [np.clip(mean + sign * width * (np.arange(len(keys)) == k), 0.0, 1.0) for sign in (-1.0, 1.0)]
-            J.append((sample(self.args.count, seeds[2], ends[1]) - sample(self.args.count, seeds[2], ends[0])).mean(axis=0) * width[k] / (ends[1] - ends[0])[k])
+            J.append((sample(count, seeds[2], ends[1]) - sample(count, seeds[2], ends[0])).mean(axis=0) * width[k] / (ends[1] - ends[0])[k])
         J = whiten @ np.array(J).T
         remains = np.eye(len(J)) - J @ np.linalg.solve(self.n * J.T @ J + np.eye(len(keys)) / RANGE ** 2, self.n * J.T)
-        ends = sample(2 * self.args.count, seeds[2], mean), sample(2 * self.args.count, seeds[3], None, effects, fault)
+        ends = sample(2 * count, seeds[2], mean), sample(2 * count, seeds[3], None, effects, fault)
         rest = remains @ whiten @ (ends[1].mean(axis=0) - ends[0].mean(axis=0))
         by_chance = sum(np.trace(remains @ whiten @ np.cov(end.T) @ whiten.T @ remains.T) / len(end) for end in ends)
         return math.sqrt(self.n * max(float(rest @ rest) - by_chance, 0.0))
@@ -433,7 +436,7 @@ class Case:
         for effect in self.effects:
             name, (families, start, largest, text), _ = effect
             effect[2] = self.solve(lambda q: delta([text(q, self.at)]), start, largest)
-            effect[2] = self.correct(lambda q: self.settled(work, [text(q, self.at)]), effect[2], largest)
+            effect[2] = self.correct(lambda q: self.settled(work, [text(q, self.at)], rough=True), effect[2], largest)
             reached = self.settled(work, [text(effect[2], self.at)])  # from other blocks than those that the strength was chosen with
             truth["hidden"].append({"name": name, "families": families, "strength": effect[2], "delta": reached,
                                     "at": self.at if name in LOCAL else None, "entry": text(effect[2], self.at)})
@@ -445,7 +448,7 @@ class Case:
                 self.fault[1] = min(options)[1]
             else:
                 self.fault[1] = self.solve(lambda q: delta((), (self.fault[0], q)), start, largest)
-                self.fault[1] = self.correct(lambda q: self.settled(work, (), (self.fault[0], q)), self.fault[1], largest)
+                self.fault[1] = self.correct(lambda q: self.settled(work, (), (self.fault[0], q), rough=True), self.fault[1], largest)
             reached = self.settled(work, (), tuple(self.fault))
             truth["hidden"].append({"name": self.fault[0], "families": families, "strength": self.fault[1], "delta": reached, "at": None})
         if self.tier == 4:
