@@ -20,12 +20,22 @@ inline std::size_t design_size(std::size_t parameters) {
 /// run tells about every factor, so the noise of a derivative is that of all runs together, and curvature cancels.
 Eigen::MatrixXd design_of(std::size_t factors);
 
+/// Of tables with the same columns.
+void append(ObservationTable& to, const ObservationTable& rows);
+
 /// Derivatives of the mean residual, from simulations all around a place.
 struct Slopes {
     Eigen::MatrixXd directions;  ///< one column per parameter
     Eigen::VectorXd
         noise;  ///< what the noise of the simulations adds to the squared length of each, over the covariance of the measured mean [-]
-    Eigen::VectorXd at_place;  ///< mean residual at the place itself
+    Eigen::VectorXd at_place;   ///< mean residual at the place itself
+    Eigen::VectorXd centre;     ///< mean of how far the simulations are from the place
+    double centre_noise = 0.0;  ///< variance of the mean of all of them, over that of the measured mean [-]
+    Eigen::MatrixXd spread;     ///< covariance of the derivatives, over the same
+    /// Variance of what they say of a place so far from theirs, over that of the measured mean [-].
+    double variance_at(const Eigen::VectorXd& by) const {
+        return centre_noise + (by - centre).dot(spread * (by - centre));
+    }
 };
 /// By least squares with a constant: at the end of a range one side is missing. One row per simulation: how far its parameters are from the place,
 /// and its mean residual; `rows_over` measured rows per row of one simulation.
@@ -62,8 +72,9 @@ struct Hypothesis {
     double place_spread = 0.0;       ///< of the middle, as fingerprints of places nearby have it [m]
     double length_deviation = kNaN;  ///< of its logarithm [-]
     std::vector<double> parameter_deviation;
-    Eigen::VectorXd step;  ///< of a survey around all of them; before the first one, nothing: unknown
-    double q = kInfinity;  ///< what is left [-]
+    Eigen::VectorXd step;      ///< of a survey around all of them; before the first one, nothing: unknown
+    double q = kInfinity;      ///< what is left [-]
+    double q_deviation = 0.0;  ///< of that, as simulations scatter [-]
     double p = 0.0;
     bool from_given = false;  ///< followed from the parameters that the site was given
     bool raced = false;       ///< q and p are those of a close race
@@ -143,7 +154,7 @@ private:
     Eigen::VectorXd next_steps(const Survey& s, std::size_t fingerprint) const;
     Eigen::VectorXd limited(Eigen::VectorXd step, const Eigen::VectorXd& at, std::size_t fingerprint) const;
     static bool comparable(const ResidualMean& measured, const ResidualMean& with);
-    bool simulates_enough(const ResidualMean& simulated, std::size_t rows) const;
+    bool simulates_enough(const ResidualMean& simulated, std::size_t rows, const ResidualMean& observed) const;
     void judge(Hypothesis& h, const Survey& s) const;
     Eigen::VectorXd within(Eigen::VectorXd at, std::size_t fingerprint) const;
     double most_of(std::size_t fingerprint) const;
@@ -161,7 +172,11 @@ private:
     struct WideSearch;
     WideSearch search_for(Hypothesis h);
     Eigen::VectorXd unknowns_at(const WideSearch& w, const Eigen::VectorXd& u) const;
-    bool search(WideSearch& w, std::size_t trials);
+    struct View;
+    Eigen::VectorXd residuals_of(const ObservationTable& table, const View& view) const;
+    bool search(WideSearch& w, std::size_t trials, const View& view);
+    bool look_from_best(std::vector<WideSearch>& ways, View& view);
+    bool search_in_stages(std::vector<WideSearch>& ways, const std::function<std::size_t(std::size_t)>& going_on);
     double spread_near(const Hypothesis& h) const;
     Hypothesis found_by(const WideSearch& w) const;
     bool search_widely(const std::vector<Hypothesis>& chosen, std::vector<Hypothesis>& found);
@@ -179,6 +194,7 @@ private:
     bool hopeless(const Pursuit& p, double least) const;
     bool pursue(std::vector<Pursuit>& pursuits, double& least);
     bool follow_best(std::vector<Hypothesis> chosen, std::vector<Hypothesis>& followed);
+    bool race(Hypothesis& h);
     bool decide_close_race(std::vector<Hypothesis>& followed);
     /// For simulations that are many together, or a first look.
     std::int64_t half_repeats() const { return std::max<std::int64_t>(settings_.repeats / 2, 1); }
@@ -194,6 +210,7 @@ private:
     bool settle_base(Diagnosis& d);
     bool return_without(Diagnosis& d, const Hypothesis& with);
     bool follow_from_given(Diagnosis& d, std::vector<Hypothesis>& followed);
+    double log_weight(const Hypothesis& h) const;
     void weigh(Diagnosis& d, std::vector<Hypothesis>& followed) const;
     void conclude(Diagnosis& d, std::vector<Hypothesis>& followed) const;
     double goodness_of_fit(const Survey& survey, std::size_t fingerprint, double left) const;

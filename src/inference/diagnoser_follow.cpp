@@ -9,8 +9,8 @@ namespace scree {
 
 namespace {
 
-/// Change of the misfit, minus twice a log-likelihood, that is noise; and how many surveys in a row without a larger one are the end [-].
-constexpr double kSettled = 3.0;
+/// Change of the misfit, minus twice a log-likelihood, that is noise, at least and as a share of the misfit [-]; and how many surveys in a row without a larger one are the end [-].
+constexpr double kSettled = 3.0, kSettledShare = 0.04;
 constexpr int kWithoutBetter = 2, kWithoutBetterPlace = 3;
 /// On the way there surveys have this share of their simulations [-], and there may be so many of them, so many in a row without a lower misfit.
 constexpr std::int64_t kShareOnTheWay = 6;
@@ -19,6 +19,8 @@ constexpr int kSurveysOnTheWay = 15, kWithoutBetterOnTheWay = 4;
 constexpr int kUsualSurveys = 4;
 /// Of what is measured and seen in the residual space of the model, the share that a hypothesis must speak of [-].
 constexpr double kComparable = 0.7;
+/// Variance of residuals in the space of few simulations, over that of the mean of these alone [-].
+constexpr double kSpaceNoise = 2.0;
 /// Steps so many times as long as those that the survey asks for are wide [-].
 constexpr double kWideStep = 2.0;
 /// How far beyond a survey its derivatives are trusted [steps].
@@ -29,7 +31,7 @@ constexpr int kSweeps = 300;
 constexpr double kStrengthStep = 1.5, kStrengthShare = 0.2, kMostStrengthStep = 0.25;
 /// Steps of a place: of the middle at most and at least, of the length and of the path; of the logarithm of the length [-].
 constexpr double kMostMiddleStep = 0.3, kLeastMiddleStep = 0.004, kMostLengthStep = 0.5, kLeastLengthStep = 0.1;
-/// Finalists that leave so much more than the best one at most are surveyed once more with it, by so many times the repeats [-].
+/// Finalists whose weight is that of the best one, or what makes up for so much more left, are surveyed once more with it, by so many times the repeats [-].
 constexpr double kCloseRace = 10.0;
 constexpr std::int64_t kRaceRepeats = 2;
 /// Surveys of it at most [-]; and the p of what the best of them leaves, as a share of the level at which it is an explanation, below which there is nothing to decide [-].
@@ -39,6 +41,10 @@ constexpr double kHopeless = 0.25;
 constexpr std::int64_t kFitDraws = 299;
 /// In how many places of one effect more than one survey is made [-].
 constexpr std::ptrdiff_t kPlacesOfOne = 2;
+
+double settled_within(double misfit) {
+    return std::max(kSettled, kSettledShare * misfit);
+}
 
 }  // namespace
 
@@ -54,6 +60,16 @@ Eigen::MatrixXd design_of(std::size_t factors) {
     return signs;
 }
 
+void append(ObservationTable& to, const ObservationTable& rows) {
+    if (to.columns.empty()) {
+        to = rows;
+        return;
+    }
+    to.block.insert(to.block.end(), rows.block.begin(), rows.block.end());
+    for (std::size_t k = 0; k < to.values.size(); ++k)
+        to.values[k].insert(to.values[k].end(), rows.values[k].begin(), rows.values[k].end());
+}
+
 Slopes slopes_of(Eigen::MatrixXd moved, Eigen::MatrixXd means, double rows_over) {
     const Eigen::VectorXd centre = moved.colwise().mean(), mean = means.colwise().mean();
     moved.rowwise() -= centre.transpose();
@@ -63,6 +79,9 @@ Slopes slopes_of(Eigen::MatrixXd moved, Eigen::MatrixXd means, double rows_over)
     s.directions = squares.ldlt().solve(moved.transpose() * means).transpose();
     s.noise = static_cast<double>(means.cols()) * rows_over * squares.diagonal().cwiseMax(1e-12).cwiseInverse();
     s.at_place = mean - s.directions * centre;
+    s.centre = centre;
+    s.centre_noise = rows_over / static_cast<double>(means.rows());
+    s.spread = rows_over * squares.ldlt().solve(Eigen::MatrixXd::Identity(squares.rows(), squares.cols()));
     return s;
 }
 
@@ -84,13 +103,7 @@ bool Diagnoser::survey(Survey& s, std::size_t fingerprint, std::int64_t repeats)
         auto table = simulate("finalists", at.head(count), dose_of(fingerprint, at), repeats);
         if (!table) return false;
         first.push_back(all.rows());
-        if (run == 0) {
-            all = std::move(*table);
-            continue;
-        }
-        all.block.insert(all.block.end(), table->block.begin(), table->block.end());
-        for (std::size_t k = 0; k < all.values.size(); ++k)
-            all.values[k].insert(all.values[k].end(), table->values[k].begin(), table->values[k].end());
+        append(all, *table);
     }
     first.push_back(all.rows());
     const ResidualSpace space(std::move(all), measured_, problem_.blocks, settings_.residuals,
@@ -237,13 +250,13 @@ bool Diagnoser::comparable(const ResidualMean& measured, const ResidualMean& wit
 }
 
 /// The same, asked of simulated rows. Where rows are blocks they must speak of as much as the measured ones; of a pool that tells only who passed, of everything a little.
-bool Diagnoser::simulates_enough(const ResidualMean& simulated, std::size_t rows) const {
+bool Diagnoser::simulates_enough(const ResidualMean& simulated, std::size_t rows, const ResidualMean& observed) const {
     if (only_who_passed_)
         return (simulated.together.diagonal().array() >= static_cast<double>(ResidualSpace::kLeastRows) ||
-                base_.observed.together.diagonal().array() == 0.0)
+                observed.together.diagonal().array() == 0.0)
             .all();
     return simulated.together.trace() / static_cast<double>(rows) >=
-           kComparable * base_.observed.together.trace() / static_cast<double>(measured_.rows());
+           kComparable * observed.together.trace() / static_cast<double>(measured_.rows());
 }
 
 /// What a hypothesis leaves at the best place among the simulations of a survey: what derivatives promise farther away often does not come true.
@@ -252,6 +265,7 @@ void Diagnoser::judge(Hypothesis& h, const Survey& s) const {
     const Eigen::VectorXd by = misfit.best(around(s, h.fingerprint, s.step)), to = within(s.at + by, h.fingerprint);
     const Eigen::Index count = deviation_.size();
     h.q = comparable(s.observed, base_.observed) ? misfit.at(by) : kInfinity;
+    h.q_deviation = std::isfinite(h.q) ? 2.0 * std::sqrt(kSpaceNoise * h.q * s.slopes.variance_at(by)) : 0.0;
     h.parameters = to.head(count);
     h.step = s.step;
     const Eigen::VectorXd deviations = misfit.deviations();
@@ -371,9 +385,10 @@ bool Diagnoser::advance(Pursuit& p) {
         misfit.at(misfit.best(around(p.here, fingerprint, Eigen::VectorXd::Constant(p.here.at.size(), kInfinity))));
     Hypothesis here = p.best;
     judge(here, p.here);
-    p.without_better = here.q < p.best.q - kSettled ? 0 : p.without_better + 1;
+    p.without_better = here.q < p.best.q - settled_within(here.q) ? 0 : p.without_better + 1;
     if (here.q < p.best.q) {
-        p.settled = p.left - misfit.at(misfit.best(around(p.here, fingerprint, reach_of(p, misfit)))) < kSettled;
+        p.settled =
+            p.left - misfit.at(misfit.best(around(p.here, fingerprint, reach_of(p, misfit)))) < settled_within(p.left);
         const Eigen::VectorXd step = next_steps(p.here, fingerprint);
         const bool wide = (p.here.step.array() > kWideStep * step.array()).any();
         p.here.step = here.step = step;
@@ -464,37 +479,52 @@ bool Diagnoser::follow_best(std::vector<Hypothesis> chosen, std::vector<Hypothes
     return true;
 }
 
-/// Half the repeats find the way, but their noise must not decide between effects that leave nearly the same, nor whether any of them is an explanation.
-bool Diagnoser::decide_close_race(std::vector<Hypothesis>& followed) {
-    double best = kInfinity, best_p = 0.0;
-    for (const Hypothesis& h : followed) {
-        best = std::min(best, h.q);
-        best_p = std::max(best_p, h.p);
-    }
-    const auto close = [&](const Hypothesis& h) { return h.q < best + kCloseRace; };
-    const auto runners = static_cast<std::size_t>(std::count_if(followed.begin(), followed.end(), close));
-    if (runners < 2 || best_p <= kHopeless * settings_.rejected) return true;
-    planned_ += runners * of_survey();
-    for (Hypothesis& h : followed) {
-        if (!close(h) || h.raced) continue;
-        h.raced = true;
-        h.q = kInfinity;
-        bool more = true;
-        for (int round = 0; round < kRaceRounds && more; ++round) {
-            Survey s;
-            s.at = unknowns_of(h);
-            s.step = h.step;
-            if (!survey(s, h.fingerprint, kRaceRepeats * settings_.repeats)) return false;
-            Hypothesis here = h;
-            judge(here, s);
-            if (!(here.q < h.q)) break;
-            here.p = goodness_of_fit(s, h.fingerprint, here.q);
-            h = std::move(here);
-            const LocalMisfit misfit(s, prior_of(h.fingerprint));
-            more = misfit.at(misfit.best(around(s, h.fingerprint, kTrust * s.step))) < h.q - kSettled;
-        }
+/// Again, with more simulations.
+bool Diagnoser::race(Hypothesis& h) {
+    h.raced = true;
+    h.q = kInfinity;
+    bool more = true;
+    for (int round = 0; round < kRaceRounds && more; ++round) {
+        Survey s;
+        s.at = unknowns_of(h);
+        s.step = h.step;
+        if (!survey(s, h.fingerprint, kRaceRepeats * settings_.repeats)) return false;
+        Hypothesis here = h;
+        judge(here, s);
+        if (!(here.q < h.q)) break;
+        here.p = goodness_of_fit(s, h.fingerprint, here.q);
+        h = std::move(here);
+        const LocalMisfit misfit(s, prior_of(h.fingerprint));
+        more = misfit.at(misfit.best(around(s, h.fingerprint, kTrust * s.step))) < h.q - settled_within(h.q);
     }
     return true;
+}
+
+/// Half the repeats find the way, but their noise must not decide between effects that weigh nearly the same, nor whether any of them is an explanation. Of many surveys with few
+/// simulations the least is a lucky one: who leads by it is asked first, and then whoever is close to what that has come to.
+bool Diagnoser::decide_close_race(std::vector<Hypothesis>& followed) {
+    const auto runs = [](const Hypothesis& h) { return std::isfinite(h.q); };
+    for (bool first = true;; first = false) {
+        double most = -kInfinity, best_p = 0.0;
+        for (const Hypothesis& h : followed) {
+            if (!runs(h)) continue;
+            most = std::max(most, log_weight(h));
+            best_p = std::max(best_p, h.p);
+        }
+        std::size_t close = 0, asked = 0;
+        Hypothesis* next = nullptr;
+        for (Hypothesis& h : followed) {
+            if (!runs(h) || log_weight(h) < most - 0.5 * kCloseRace) continue;
+            ++close;
+            if (h.raced)
+                ++asked;
+            else if (!next || log_weight(h) > log_weight(*next))
+                next = &h;
+        }
+        if (!next || close < 2 || (first && best_p <= kHopeless * settings_.rejected)) return true;
+        planned_ += (close - asked) * of_survey();
+        if (!race(*next)) return false;
+    }
 }
 
 /// How often as many rows of the simulations themselves leave as much, with parameters, strength and place free for them, too.

@@ -22,6 +22,10 @@ constexpr std::size_t kStarts = 2;
 constexpr std::array kStages{0.2, 0.2, 0.25, 0.35};
 /// Variance that the noise of a trial has at least: of the measured mean, which has as many rows [-].
 constexpr double kLeastNoise = 0.25;
+/// What the best trial must leave less for all to be seen from there, of Q [-].
+constexpr double kNews = 8.0;
+/// What it may leave for that, per residual [-].
+constexpr double kNearEnough = 3.0;
 
 std::size_t trials_in(double stage, std::size_t all) {
     return static_cast<std::size_t>(std::lround(stage * static_cast<double>(all)));
@@ -80,13 +84,28 @@ std::optional<std::vector<Hypothesis>> Diagnoser::strong_finalists() {
     return chosen;
 }
 
-/// Parameters, strength and place that leave little, from all over what is allowed, as few simulations in the residual space of the base tell: what is followed
-/// from one place alone ends in its valley, and a calibration has made up for a strong effect in another one.
+/// What trials are compared with the measurements in: the residual space of one simulation.
+struct Diagnoser::View {
+    View(ResidualSpace of, const ObservationTable& measured)
+        : space(std::move(of)),
+          observed(mean_residual(space.of(measured))),
+          noise(mean_covariance(row_covariance(space), observed.together)),
+          left(in_noise(observed.mean).squaredNorm()) {}
+    Eigen::VectorXd in_noise(const Eigen::VectorXd& mean) const { return noise.matrixL().solve(mean); }
+
+    ResidualSpace space;
+    ResidualMean observed;
+    Eigen::LLT<Eigen::MatrixXd> noise;  ///< of the measured mean
+    double left;                        ///< by the simulation behind it [-]
+};
+
+/// Parameters, strength and place that leave little, from all over what is allowed: what is followed from one place alone ends in its valley, and a calibration has made up for a strong
+/// effect in another one.
 struct Diagnoser::WideSearch {
     Hypothesis h;
-    Eigen::VectorXd low, high;  ///< of the parameters, the logarithm of the strength, and the place
-    EmulatedSearch search;      ///< of the residuals in units of their noise
-    std::size_t trials = 0, wanted = 0;
+    Eigen::VectorXd low, high;             ///< of the parameters, the logarithm of the strength, and the place
+    EmulatedSearch search;                 ///< of the residuals in units of their noise
+    std::vector<ObservationTable> tables;  ///< of its trials
 };
 
 Diagnoser::WideSearch Diagnoser::search_for(Hypothesis h) {
@@ -103,8 +122,11 @@ Diagnoser::WideSearch Diagnoser::search_for(Hypothesis h) {
         low.tail(2) << path.from, std::log(kShortestShare * path.length());
         high.tail(2) << path.to, std::log(kLongestShare * path.length());
     }
-    return {std::move(h), std::move(low), std::move(high),
-            EmulatedSearch(size, kLeastNoise, RandomStream(settings_.seed, next_seed_++, RandomPurpose::Calibration))};
+    return {std::move(h),
+            std::move(low),
+            std::move(high),
+            EmulatedSearch(size, kLeastNoise, RandomStream(settings_.seed, next_seed_++, RandomPurpose::Calibration)),
+            {}};
 }
 
 Eigen::VectorXd Diagnoser::unknowns_at(const WideSearch& w, const Eigen::VectorXd& u) const {
@@ -114,23 +136,50 @@ Eigen::VectorXd Diagnoser::unknowns_at(const WideSearch& w, const Eigen::VectorX
     return within(std::move(at), w.h.fingerprint);
 }
 
-/// So many more trials, in whole groups.
-bool Diagnoser::search(WideSearch& w, std::size_t trials) {
-    const Eigen::LLT<Eigen::MatrixXd> factor(mean_covariance(row_covariance(*base_.space), base_.observed.together));
-    for (w.wanted += trials; w.trials < w.wanted;) {
+/// Of the simulated rows, in units of its noise; empty where they say too little.
+Eigen::VectorXd Diagnoser::residuals_of(const ObservationTable& table, const View& view) const {
+    const ResidualMean mean = mean_residual(view.space.of(table));
+    if (!simulates_enough(mean, table.rows(), view.observed)) return {};
+    return view.in_noise(view.observed.mean - mean.mean);
+}
+
+/// Until there are so many trials, in whole groups.
+bool Diagnoser::search(WideSearch& w, std::size_t trials, const View& view) {
+    while (w.tables.size() < trials) {
         std::vector<Eigen::VectorXd> told;
         for (const Eigen::VectorXd& u : w.search.ask()) {
             const Eigen::VectorXd at = unknowns_at(w, u);
-            const auto table =
-                simulate("wide search", at.head(base_.parameters.size()), dose_of(w.h.fingerprint, at), 1);
+            auto table = simulate("wide search", at.head(base_.parameters.size()), dose_of(w.h.fingerprint, at), 1);
             if (!table) return false;
-            const ResidualMean mean = mean_residual(base_.space->of(*table));
-            told.push_back(simulates_enough(mean, table->rows())
-                               ? Eigen::VectorXd(factor.matrixL().solve(base_.observed.mean - mean.mean))
-                               : Eigen::VectorXd());
+            told.push_back(residuals_of(*table, view));
+            w.tables.push_back(std::move(*table));
         }
         w.search.tell(told);
-        w.trials += told.size();
+    }
+    return true;
+}
+
+/// Near the measurements more can be seen. The best trial of all is simulated as the model itself was; if it leaves little, all trials are seen from there: what is far from the measurements sees all that is near them
+/// alike, and wrongly.
+bool Diagnoser::look_from_best(std::vector<WideSearch>& ways, View& view) {
+    const WideSearch& best = *std::min_element(ways.begin(), ways.end(), [](const WideSearch& a, const WideSearch& b) {
+        return a.search.left() < b.search.left();
+    });
+    const Eigen::VectorXd at = unknowns_at(best, best.search.best());
+    auto table = simulate("wide search", at.head(base_.parameters.size()), dose_of(best.h.fingerprint, at),
+                          settings_.reference_repeats);
+    if (!table) return false;
+    View from(
+        ResidualSpace(std::move(*table), measured_, problem_.blocks, settings_.residuals, base_.space->residuals()),
+        measured_);
+    if (!comparable(from.observed, base_.observed) || !(from.left < view.left - kNews) ||
+        from.left > kNearEnough * static_cast<double>(from.observed.mean.size()))
+        return true;
+    view = std::move(from);
+    for (WideSearch& w : ways) {
+        std::vector<Eigen::VectorXd> told;
+        for (const ObservationTable& t : w.tables) told.push_back(residuals_of(t, view));
+        w.search.tell_again(told);
     }
     return true;
 }
@@ -167,22 +216,48 @@ Hypothesis Diagnoser::found_by(const WideSearch& w) const {
     return h;
 }
 
-std::optional<Hypothesis> Diagnoser::search_without() {
-    planned_ += kStarts * settings_.wide_search;
-    std::vector<WideSearch> ways;
-    for (std::size_t k = 0; k < kStarts; ++k) {
-        ways.push_back(search_for({}));
-        if (!search(ways.back(), settings_.wide_search)) return std::nullopt;
+/// The better part of the searches, as many as are asked for, goes on from stage to stage, and so to the end; after the first stage, when little is known, the best of every effect, too. The best
+/// come first.
+bool Diagnoser::search_in_stages(std::vector<WideSearch>& ways,
+                                 const std::function<std::size_t(std::size_t)>& going_on) {
+    std::size_t left = ways.size();
+    for (const double stage : kStages) {
+        planned_ += 1 + left * trials_in(stage, settings_.wide_search);
+        left = going_on(left);
     }
-    return found_by(*std::min_element(ways.begin(), ways.end(), [](const WideSearch& a, const WideSearch& b) {
-        return a.search.left() < b.search.left();
-    }));
+    if (ways.empty()) return true;
+    View view(*base_.space, measured_);
+    double share = 0.0;
+    for (const double stage : kStages) {
+        share += stage;
+        for (WideSearch& w : ways)
+            if (!search(w, trials_in(share, settings_.wide_search), view)) return false;
+        if (!look_from_best(ways, view)) return false;
+        std::stable_sort(ways.begin(), ways.end(),
+                         [](const WideSearch& a, const WideSearch& b) { return a.search.left() < b.search.left(); });
+        std::vector<WideSearch> kept;
+        const std::size_t count = going_on(ways.size());
+        for (WideSearch& w : ways)
+            if (kept.size() < count ||
+                (share == kStages.front() && std::none_of(kept.begin(), kept.end(), [&](const WideSearch& better) {
+                     return variants_[better.h.fingerprint].effect == variants_[w.h.fingerprint].effect;
+                 })))
+                kept.push_back(std::move(w));
+        ways = std::move(kept);
+    }
+    return true;
 }
 
-/// Every form of the effects that were chosen; after some trials the better half of the searches goes on, and so to the end. Once each: it depends little on the base.
+std::optional<Hypothesis> Diagnoser::search_without() {
+    std::vector<WideSearch> ways;
+    for (std::size_t k = 0; k < kStarts; ++k) ways.push_back(search_for({}));
+    if (!search_in_stages(ways, [](std::size_t of) { return of; })) return std::nullopt;
+    return found_by(ways.front());
+}
+
+/// Every form of the effects that were chosen; the better half goes on. Once each: it depends little on the base.
 bool Diagnoser::search_widely(const std::vector<Hypothesis>& chosen, std::vector<Hypothesis>& found) {
     const ScoreResult score = (*base_.test)(base_.observed);
-    const auto better_half = [&](std::size_t of) { return std::min(std::max((of + 1) / 2, settings_.finalists), of); };
     std::vector<WideSearch> ways;
     for (std::size_t k = 0; k < variants_.size(); ++k) {
         const Hypothesis h = unfollowed(k);
@@ -196,18 +271,8 @@ bool Diagnoser::search_widely(const std::vector<Hypothesis>& chosen, std::vector
         searched_widely_.push_back(h);
         for (std::size_t start = 0; start < kStarts; ++start) ways.push_back(search_for(h));
     }
-    std::size_t left = ways.size();
-    for (const double stage : kStages) {
-        planned_ += left * trials_in(stage, settings_.wide_search);
-        left = better_half(left);
-    }
-    for (const double stage : kStages) {
-        for (WideSearch& w : ways)
-            if (!search(w, trials_in(stage, settings_.wide_search))) return false;
-        std::stable_sort(ways.begin(), ways.end(),
-                         [](const WideSearch& a, const WideSearch& b) { return a.search.left() < b.search.left(); });
-        ways.erase(ways.begin() + static_cast<std::ptrdiff_t>(better_half(ways.size())), ways.end());
-    }
+    const auto better_half = [&](std::size_t of) { return std::min(std::max((of + 1) / 2, settings_.finalists), of); };
+    if (!search_in_stages(ways, better_half)) return false;
     for (const WideSearch& w : ways)  // of every form the better search
         if (w.search.left() <= kMuchMore * ways.front().search.left() + kFarBehind &&
             std::none_of(found.begin(), found.end(), [&](const Hypothesis& better) { return same_way(better, w.h); }))

@@ -6,6 +6,7 @@
 
 #include "scree/base/assert.hpp"
 #include "scree/base/error.hpp"
+#include "scree/base/random.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -38,11 +39,30 @@ constexpr double kMostNoise = 0.5;
 constexpr double kQNoise = 8.0;
 /// What another place for the parameters must leave less to be looked at, of Q [-].
 constexpr double kWorthMoving = 8.0;
+/// Draws of what finalists may leave [-].
+constexpr int kWeightDraws = 2000;
 /// How often the model is followed without an effect from where the effect took it [-].
 constexpr int kReturns = 2;
 
 Eigen::VectorXd to_vector(const std::vector<double>& values) {
     return Eigen::Map<const Eigen::VectorXd>(values.data(), static_cast<Eigen::Index>(values.size()));
+}
+
+/// Shares of so much weight, those of the finalists being the last ones; the mean over what each of these may really leave, as its simulations scatter: of two that are close, neither is sure.
+std::vector<double> mean_weights(const std::vector<double>& log_weights, const std::vector<Hypothesis>& finalists,
+                                 std::uint64_t seed) {
+    std::vector<double> mean(log_weights.size(), 0.0), drawn = log_weights;
+    const std::size_t first = log_weights.size() - finalists.size();
+    RandomStream random(seed, 0, RandomPurpose::Resampling);
+    for (int draw = 0; draw < kWeightDraws; ++draw) {
+        for (std::size_t k = first; k < drawn.size(); ++k)
+            drawn[k] = log_weights[k] + 0.5 * finalists[k - first].q_deviation * random.normal();
+        const double most = *std::max_element(drawn.begin(), drawn.end());
+        double sum = 0.0;
+        for (const double w : drawn) sum += std::exp(w - most);
+        for (std::size_t k = 0; k < drawn.size(); ++k) mean[k] += std::exp(drawn[k] - most) / (sum * kWeightDraws);
+    }
+    return mean;
 }
 
 /// By weight, then z.
@@ -358,10 +378,18 @@ bool Diagnoser::settle_base(Diagnosis& d) {
     if (!found) return false;
     std::vector<Hypothesis> starts{{}, *found};
     if (!problem_.given.empty()) starts.emplace_back().parameters = given_parameters();
-    for (Hypothesis& h : starts)
-        if (!follow(h)) return false;
-    const Hypothesis& without = *std::min_element(starts.begin(), starts.end(),
-                                                  [](const Hypothesis& a, const Hypothesis& b) { return a.q < b.q; });
+    std::vector<Pursuit> pursuits;
+    for (Hypothesis& h : starts) {
+        pursuits.push_back(begin(std::move(h)));
+        if (!advance(pursuits.back())) return false;
+    }
+    double least = kInfinity;
+    if (!pursue(pursuits, least)) return false;
+    Hypothesis without;
+    for (Pursuit& p : pursuits) {
+        Hypothesis h = arrived(std::move(p));
+        if (h.q < without.q) without = std::move(h);
+    }
     left_without_ = without.q;
     return move_base(d, without);
 }
@@ -402,35 +430,36 @@ bool Diagnoser::follow_from_given(Diagnosis& d, std::vector<Hypothesis>& followe
     return decide_close_race(followed);
 }
 
-/// Posterior weights of the finalists: likelihood, times the price of strength and place (Laplace's approximation with priors that are flat over the
+/// Of a finalist, but for what all have in common: likelihood, times the price of strength and place (Laplace's approximation with priors that are flat over the
 /// allowed strengths, the path, and the logarithm of the length; instruments that err by more than the reference strength are believed less and less) and of
-/// the choice among effects and variants. Something without a name may have moved the mean residual anywhere, by an unknown multiple of its noise: its likelihood is the
+/// the choice among effects and variants.
+double Diagnoser::log_weight(const Hypothesis& h) const {
+    const EffectDose& v = variants_[h.fingerprint];
+    const CandidateEffect& effect = problem_.effects[v.effect];
+    const auto share = [](double deviation, double range) {
+        return std::log(std::min(1.0, std::sqrt(2.0 * std::numbers::pi) * deviation / range));
+    };
+    double price = share(h.strength_deviation, effect.variants[v.variant].most);
+    if (effect.measurement) {  // the integral of a normal likelihood over half a normal distribution
+        const double variance = 1.0 + h.strength_deviation * h.strength_deviation;
+        price = std::log(std::min(1.0, 2.0 * h.strength_deviation / std::sqrt(variance))) -
+                0.5 * h.strength * h.strength / variance;
+    }
+    if (h.on)
+        price += share(h.middle_deviation, path_of(h.fingerprint).length()) +
+                 share(h.length_deviation, std::log(kLongestShare / kShortestShare));
+    return -0.5 * h.q + price +
+           std::log((1.0 - settings_.prior_none) * (1.0 - settings_.prior_unnamed) /
+                    static_cast<double>(problem_.effects.size() * effect.variants.size()));
+}
+
+/// Posterior weights of the finalists. Something without a name may have moved the mean residual anywhere, by an unknown multiple of its noise: its likelihood is the
 /// largest over that multiple. The calibrated model is weighed against the best of them by the z of its fingerprint, whose noise is that of one
 /// simulation and not of two; by what it leaves itself, once followed as effects are, where that is more beyond the noise of two; and by that alone where
 /// the effect was out of sight.
 void Diagnoser::weigh(Diagnosis& d, std::vector<Hypothesis>& followed) const {
-    std::vector<double> log_weight;
-    auto price = [&](const Hypothesis& h) {
-        const EffectDose& v = variants_[h.fingerprint];
-        const CandidateEffect& effect = problem_.effects[v.effect];
-        const auto share = [](double deviation, double range) {
-            return std::log(std::min(1.0, std::sqrt(2.0 * std::numbers::pi) * deviation / range));
-        };
-        double sum = share(h.strength_deviation, effect.variants[v.variant].most);
-        if (effect.measurement) {  // the integral of a normal likelihood over half a normal distribution
-            const double variance = 1.0 + h.strength_deviation * h.strength_deviation;
-            sum = std::log(std::min(1.0, 2.0 * h.strength_deviation / std::sqrt(variance))) -
-                  0.5 * h.strength * h.strength / variance;
-        }
-        if (h.on)
-            sum += share(h.middle_deviation, path_of(h.fingerprint).length()) +
-                   share(h.length_deviation, std::log(kLongestShare / kShortestShare));
-        return sum + std::log((1.0 - settings_.prior_none) * (1.0 - settings_.prior_unnamed) /
-                              static_cast<double>(problem_.effects.size() * effect.variants.size()));
-    };
-    const auto log_of = [&](const Hypothesis& h) { return -0.5 * h.q + price(h); };
     std::stable_sort(followed.begin(), followed.end(),
-                     [&](const Hypothesis& a, const Hypothesis& b) { return log_of(a) > log_of(b); });
+                     [&](const Hypothesis& a, const Hypothesis& b) { return log_weight(a) > log_weight(b); });
     const auto effect_of = [&](const Hypothesis& h) { return variants_[h.fingerprint].effect; };
     for (std::size_t k = 1; k < followed.size();) {  // of an effect that was followed twice the better one
         const auto here = followed.begin() + static_cast<std::ptrdiff_t>(k);
@@ -441,14 +470,13 @@ void Diagnoser::weigh(Diagnosis& d, std::vector<Hypothesis>& followed) const {
             continue;
         }
         if (better->on && here->on) {  // perhaps it acts in the other place
-            const double ratio = std::exp(log_of(*here) - log_of(*better));
+            const double ratio = std::exp(log_weight(*here) - log_weight(*better));
             better->middle_deviation =
                 std::hypot(better->middle_deviation,
                            std::sqrt(ratio / (1.0 + ratio)) * (here->on->middle() - better->on->middle()));
         }
         followed.erase(here);
     }
-    for (const Hypothesis& h : followed) log_weight.push_back(log_of(h));
     double left = std::min(d.score.q, left_without_);  // without any effect
     if (!followed.empty()) {
         const Hypothesis& best = followed.front();
@@ -461,12 +489,11 @@ void Diagnoser::weigh(Diagnosis& d, std::vector<Hypothesis>& followed) const {
         std::max(static_cast<double>(d.score.standardised.size()) - static_cast<double>(deviation_.size()), 1.0);
     const double log_unnamed = -0.5 * std::min(left, free * (1.0 + std::log(std::max(left / free, 1.0)))) +
                                std::log((1.0 - settings_.prior_none) * settings_.prior_unnamed);
-    double most = std::max(log_none, log_unnamed);
-    if (!followed.empty()) most = std::max(most, log_weight.front());
-    double sum = std::exp(log_none - most) + std::exp(log_unnamed - most);
-    for (const double w : log_weight) sum += std::exp(w - most);
-    d.weight_none = std::exp(log_none - most) / sum;
-    d.weight_unnamed = std::exp(log_unnamed - most) / sum;
+    std::vector<double> log_weights{log_none, log_unnamed};
+    for (const Hypothesis& h : followed) log_weights.push_back(log_weight(h));
+    const std::vector<double> weights = mean_weights(log_weights, followed, settings_.seed);
+    d.weight_none = weights[0];
+    d.weight_unnamed = weights[1];
     for (std::size_t k = 0; k < followed.size(); ++k) {
         const EffectDose& v = variants_[followed[k].fingerprint];
         EffectFinding& f = *std::find_if(d.findings.begin(), d.findings.end(),
@@ -484,7 +511,7 @@ void Diagnoser::weigh(Diagnosis& d, std::vector<Hypothesis>& followed) const {
                             followed[k].parameters.data() + followed[k].parameters.size());
         f.misfit = followed[k].q;
         f.p = followed[k].p;
-        f.weight = std::exp(log_weight[k] - most) / sum;
+        f.weight = weights[k + 2];
     }
 }
 

@@ -93,11 +93,26 @@ std::vector<Eigen::VectorXd> EmulatedSearch::ask() {
 void EmulatedSearch::tell(const std::vector<Eigen::VectorXd>& residuals) {
     SCREE_ASSERT(residuals.size() == asked_.size());
     for (std::size_t k = 0; k < residuals.size(); ++k) {
-        if (residuals[k].size() > 0) telling_.push_back(trials_.size());
         trials_.push_back(asked_[k]);
         residuals_.push_back(residuals[k]);
     }
     asked_.clear();
+    learn();
+}
+
+void EmulatedSearch::tell_again(const std::vector<Eigen::VectorXd>& residuals) {
+    SCREE_ASSERT(residuals.size() == trials_.size() && asked_.empty());
+    residuals_ = residuals;
+    emulator_.reset();
+    next_lengths_ = std::min(next_lengths_, kSpread);
+    left_ = std::numeric_limits<double>::infinity();
+    learn();
+}
+
+void EmulatedSearch::learn() {
+    telling_.clear();
+    for (std::size_t k = 0; k < trials_.size(); ++k)
+        if (residuals_[k].size() > 0) telling_.push_back(k);
     std::stable_sort(telling_.begin(), telling_.end(), [&](std::size_t a, std::size_t b) {
         return residuals_[a].squaredNorm() < residuals_[b].squaredNorm();
     });

@@ -26,6 +26,8 @@ public:
     std::vector<Eigen::VectorXd> ask();
     /// Residuals of the trials that were asked for last, in their order; empty where a trial says nothing: places like that are left alone.
     void tell(const std::vector<Eigen::VectorXd>& residuals);
+    /// Other residuals of all trials so far: they are compared with something else now.
+    void tell_again(const std::vector<Eigen::VectorXd>& residuals);
 
     /// The trial for which the least sum is expected, and what is expected there; infinite, and the middle of the cube, as long as none says anything.
     const Eigen::VectorXd& best() const { return best_; }
@@ -38,6 +40,7 @@ private:
         Eigen::VectorXd sum, deviation;  ///< of the sum of squares, per place
     };
     Expected expected(const Eigen::MatrixXd& places) const;
+    void learn();
     void emulate();
     Eigen::VectorXd near(const Eigen::VectorXd& u, double far);
     bool within_reach(const Eigen::VectorXd& u) const;

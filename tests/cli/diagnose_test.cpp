@@ -202,7 +202,7 @@ TEST(Diagnose, WhatAProfileLeavesOutHasAName) {
     const Outcome run = diagnose(
         out,
         {"--observed", field.string(), "--set", "diagnosis.reference_repeats=40", "--set", "diagnosis.repeats=16",
-         "--set",
+         "--set", "diagnosis.rounds=3", "--set",
          R"(diagnosis.without=["soil_patch", "low_friction", "forest_drag", "slip_friction", )"
          R"("rolling_size", "restitution_mass", "restitution_half_speed", "fragmentation", )"
          R"("release_motion", "roughness", "rolling_speed", "slow_missed", "broken_block", "screen_shift", "block_shape", "ids_shuffled"])"});

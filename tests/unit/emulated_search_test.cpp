@@ -148,6 +148,39 @@ TEST(EmulatedSearch, LeavesPlacesAloneThatSayNothing) {
     EXPECT_LT(there, (all - EmulatedSearch::kSpread) / 10);
 }
 
+/// Seen from far away all that is near looks alike.
+TEST(EmulatedSearch, WhatIsToldAgainTakesThePlaceOfWhatWasTold) {
+    const auto from_far = [](const Eigen::VectorXd& r) {
+        return Eigen::VectorXd(r.unaryExpr([](double x) { return 4.0 * std::tanh(0.05 * x + 1.0); }));
+    };
+    int closer = 0;
+    for (std::uint64_t number = 10; number < 15; ++number) {
+        EmulatedSearch far_off(6, 1.0, random_stream(number));
+        RandomStream noise = random_stream(1000 + number);
+        std::vector<Eigen::VectorXd> near_by;
+        const auto trials = [&](std::size_t count, const auto& seen) {
+            for (std::size_t done = 0; done < count;) {
+                std::vector<Eigen::VectorXd> told;
+                for (const Eigen::VectorXd& u : far_off.ask()) {
+                    near_by.push_back(noisy(u, noise));
+                    told.push_back(seen(near_by.back()));
+                }
+                far_off.tell(told);
+                done += told.size();
+            }
+        };
+        trials(80, from_far);
+        const double before = without_noise(far_off.best()).squaredNorm();
+        far_off.tell_again(near_by);
+        EXPECT_LE(without_noise(far_off.best()).squaredNorm(), before) << number;
+        trials(80, [](const Eigen::VectorXd& r) { return r; });
+        const double left = without_noise(far_off.best()).squaredNorm();
+        EXPECT_NEAR(far_off.left(), left, 12.0 + 0.5 * left) << number;
+        if (left < 12.0) ++closer;
+    }
+    EXPECT_GE(closer, 4);
+}
+
 TEST(EmulatedSearch, WhereNothingSaysAnythingItKnowsNothing) {
     const EmulatedSearch search =
         searched(64, 8, [](const Eigen::VectorXd&, RandomStream&) { return Eigen::VectorXd(); });

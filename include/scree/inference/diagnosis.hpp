@@ -88,7 +88,7 @@ struct DiagnosisSettings {
     double group = 0.95;         ///< weight that a group has to reach [-]
     std::size_t largest_group = 3;
     double rejected =
-        0.02;  ///< an explanation whose own simulations look like the measurements less often than this is none [-]
+        0.05;  ///< an explanation whose own simulations look like the measurements less often than this is none [-]
     ResidualSettings residuals;
 };
 
