@@ -511,18 +511,17 @@ bool Diagnoser::decide_close_race(std::vector<Hypothesis>& followed) {
             most = std::max(most, log_weight(h));
             best_p = std::max(best_p, h.p);
         }
-        std::size_t close = 0, asked = 0;
+        std::size_t close = 0, waiting = 0;
         Hypothesis* next = nullptr;
         for (Hypothesis& h : followed) {
             if (!runs(h) || log_weight(h) < most - 0.5 * kCloseRace) continue;
             ++close;
-            if (h.raced)
-                ++asked;
-            else if (!next || log_weight(h) > log_weight(*next))
-                next = &h;
+            if (h.raced) continue;
+            ++waiting;
+            if (!next || log_weight(h) > log_weight(*next)) next = &h;
         }
         if (!next || close < 2 || (first && best_p <= kHopeless * settings_.rejected)) return true;
-        planned_ += (close - asked) * of_survey();
+        planned_ = done_ + waiting * of_survey();
         if (!race(*next)) return false;
     }
 }
