@@ -80,6 +80,11 @@ struct Hypothesis {
     bool raced = false;       ///< q and p are those of a close race
 };
 
+/// Shares of rivals in all weight, from its logarithms, whose standard deviations are those of what surveys scatter by: the mean over what all of them may
+/// really be. Of two that are close neither is sure.
+std::vector<double> mean_weights(const std::vector<double>& log_weights, const std::vector<double>& deviations,
+                                 std::uint64_t seed);
+
 /// What diagnose() and plan_test() do, step by step: the model is tested and judged in diagnosis.cpp, effects are looked for in diagnoser_search.cpp,
 /// followed in diagnoser_follow.cpp, and their places found in diagnoser_places.cpp.
 class Diagnoser {

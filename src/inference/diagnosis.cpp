@@ -48,23 +48,6 @@ Eigen::VectorXd to_vector(const std::vector<double>& values) {
     return Eigen::Map<const Eigen::VectorXd>(values.data(), static_cast<Eigen::Index>(values.size()));
 }
 
-/// Shares of so much weight, those of the finalists being the last ones; the mean over what each of these may really leave, as its simulations scatter: of two that are close, neither is sure.
-std::vector<double> mean_weights(const std::vector<double>& log_weights, const std::vector<Hypothesis>& finalists,
-                                 std::uint64_t seed) {
-    std::vector<double> mean(log_weights.size(), 0.0), drawn = log_weights;
-    const std::size_t first = log_weights.size() - finalists.size();
-    RandomStream random(seed, 0, RandomPurpose::Resampling);
-    for (int draw = 0; draw < kWeightDraws; ++draw) {
-        for (std::size_t k = first; k < drawn.size(); ++k)
-            drawn[k] = log_weights[k] + 0.5 * finalists[k - first].q_deviation * random.normal();
-        const double most = *std::max_element(drawn.begin(), drawn.end());
-        double sum = 0.0;
-        for (const double w : drawn) sum += std::exp(w - most);
-        for (std::size_t k = 0; k < drawn.size(); ++k) mean[k] += std::exp(drawn[k] - most) / (sum * kWeightDraws);
-    }
-    return mean;
-}
-
 /// By weight, then z.
 void sort(std::vector<EffectFinding>& findings) {
     std::stable_sort(findings.begin(), findings.end(), [](const EffectFinding& a, const EffectFinding& b) {
@@ -73,6 +56,22 @@ void sort(std::vector<EffectFinding>& findings) {
 }
 
 }  // namespace
+
+std::vector<double> mean_weights(const std::vector<double>& log_weights, const std::vector<double>& deviations,
+                                 std::uint64_t seed) {
+    SCREE_ASSERT(deviations.size() == log_weights.size());
+    std::vector<double> mean(log_weights.size(), 0.0), drawn(log_weights.size());
+    RandomStream random(seed, 0, RandomPurpose::Resampling);
+    for (int draw = 0; draw < kWeightDraws; ++draw) {
+        for (std::size_t k = 0; k < drawn.size(); ++k)
+            drawn[k] = log_weights[k] + (deviations[k] > 0.0 ? deviations[k] * random.normal() : 0.0);
+        const double most = *std::max_element(drawn.begin(), drawn.end());
+        double sum = 0.0;
+        for (const double w : drawn) sum += std::exp(w - most);
+        for (std::size_t k = 0; k < drawn.size(); ++k) mean[k] += std::exp(drawn[k] - most) / (sum * kWeightDraws);
+    }
+    return mean;
+}
 
 Diagnoser::Diagnoser(const DiagnosisProblem& problem, const ObservationTable& measured,
                      const DiagnosisSettings& settings, const DiagnosisSimulation& simulate,
@@ -489,9 +488,12 @@ void Diagnoser::weigh(Diagnosis& d, std::vector<Hypothesis>& followed) const {
         std::max(static_cast<double>(d.score.standardised.size()) - static_cast<double>(deviation_.size()), 1.0);
     const double log_unnamed = -0.5 * std::min(left, free * (1.0 + std::log(std::max(left / free, 1.0)))) +
                                std::log((1.0 - settings_.prior_none) * settings_.prior_unnamed);
-    std::vector<double> log_weights{log_none, log_unnamed};
-    for (const Hypothesis& h : followed) log_weights.push_back(log_weight(h));
-    const std::vector<double> weights = mean_weights(log_weights, followed, settings_.seed);
+    std::vector<double> log_weights{log_none, log_unnamed}, deviations{0.0, 0.0};
+    for (const Hypothesis& h : followed) {
+        log_weights.push_back(log_weight(h));
+        deviations.push_back(0.5 * h.q_deviation);
+    }
+    const std::vector<double> weights = mean_weights(log_weights, deviations, settings_.seed);
     d.weight_none = weights[0];
     d.weight_unnamed = weights[1];
     for (std::size_t k = 0; k < followed.size(); ++k) {
