@@ -69,11 +69,11 @@ Measures draw_measures(const BlockPopulation& population, std::uint64_t seed, st
 
 namespace {
 
-/// Mean number of corners of a shape times the factor; sharp and round blocks become hulls with as many.
+/// Mean number of corners of a shape, and of its polygon in 2D, times the factor; sharp and round blocks become hulls with as many.
 void scale_corners(ShapeSettings& shape, double factor) {
     if (factor == 1.0) return;
     if (shape.shape == BlockShape::Sharp || shape.shape == BlockShape::Round) {
-        shape.points = shape.shape == BlockShape::Sharp ? kSharpPoints : kRoundPoints;
+        shape.points = shape.polygon_points = shape.shape == BlockShape::Sharp ? kSharpPoints : kRoundPoints;
         shape.shape = BlockShape::Hull;
     }
     if (shape.shape != BlockShape::Hull && shape.shape != BlockShape::Ellipsoid)
@@ -82,6 +82,7 @@ void scale_corners(ShapeSettings& shape, double factor) {
             kBlockShapeNames[static_cast<std::size_t>(shape.shape)] +
             "\" have no free number of corners: leave out corners, or take hull, sharp, round or ellipsoid");
     shape.points = std::max(4, static_cast<int>(std::lround(factor * shape.points)));
+    shape.polygon_points = std::max(3, static_cast<int>(std::lround(factor * shape.polygon_points)));
 }
 
 }  // namespace

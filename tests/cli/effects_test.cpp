@@ -150,6 +150,66 @@ TEST(EffectRun, EveryPhysicalEffectAndTheRunAgain) {
     EXPECT_EQ(text_of(folder / "out/results.gpkg"), text_of(folder / "again/results.gpkg"));
 }
 
+/// An entry that moves blocks on quarry_a. What is in the catalogue with a default strength of nothing gets one.
+std::string acting(const EffectInfo& info, bool in_plane) {
+    std::string entry = std::string("[[effect]]\nkind = \"") + info.name + "\"\n";
+    if (info.limits.lines) entry += in_plane ? "from = 30.0\n" : "file = \"data/screens.gpkg\"\n";
+    switch (info.kind) {
+        case EffectKind::SoilPatch:
+            entry += "friction = 0.9\nrolling = 0.5\n";
+            entry += in_plane ? "from = 5.0\nto = 80.0\n" : "file = \"data/zones.gpkg\"\n";
+            break;
+        case EffectKind::Fragmentation:
+            entry += "speed = 2.0\n";
+            break;
+        case EffectKind::OwnLaw:
+            entry += "library = \"" SCREE_OWN_LAW "\"\na = 0.1\n";
+            break;
+        default:
+            break;
+    }
+    return entry;
+}
+
+/// How far ten blocks come.
+std::vector<double> runouts_with(const std::string& effect, bool in_plane) {
+    const TempDir folder;
+    const Outcome run =
+        scree_program({"run", quarry_with(folder.path(), effect), "--set", "release.count=10", "--set",
+                       "soil.*.restitution=0.3", "--set", in_plane ? "model.dimension=2" : "model.dimension=3"});
+    EXPECT_EQ(run.code, 0) << effect << run.err;
+    std::vector<double> runouts;
+    for (const PointRow& row : read_points(folder / "out/results.gpkg", "stopping_points"))
+        runouts.push_back(row.number("runout_m"));
+    return runouts;
+}
+
+void expect_each_moves_blocks(bool in_plane) {
+    const std::vector<double> without = runouts_with("", in_plane);
+    ASSERT_EQ(without.size(), 10U);
+    for (const EffectInfo& info : effect_catalogue()) {
+        SCOPED_TRACE(info.name);
+        if (info.hook == EffectHook::Measurement) {
+            EXPECT_EQ(runouts_with(acting(info, in_plane), in_plane), without) << "no block feels it";
+            continue;
+        }
+        if (info.kind != EffectKind::BlockShape) {
+            EXPECT_NE(runouts_with(acting(info, in_plane), in_plane), without);
+            continue;
+        }
+        for (const char* form : {"corners = 0.4\n", "corners = 2.0\n", "elongation = 1.5\n", "flatness = 1.5\n"})
+            EXPECT_NE(runouts_with(acting(info, in_plane) + form, in_plane), without) << form;
+    }
+}
+
+TEST(EffectRun, EachMovesBlocksInSpace) {
+    expect_each_moves_blocks(false);
+}
+
+TEST(EffectRun, EachMovesBlocksInThePlane) {
+    expect_each_moves_blocks(true);
+}
+
 // A law in a library does what the effect of the catalogue does whose formula it has.
 TEST(OwnLaw, IsAnEffectLikeOthers) {
     const TempDir folder;

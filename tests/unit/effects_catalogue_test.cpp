@@ -146,6 +146,7 @@ TEST(BlockShapeEffect, KeepsTheVolumeAndTheRatios) {
     BlockPopulation population;
     population.list = {{"a", 1000.0, {1.2, 1.0, 0.8}}};
     population.shape.points = 40;
+    population.shape.polygon_points = 16;
     Effect effect = make_effect(EffectKind::BlockShape);
     effect.set("elongation", 1.3);
     effect.set("flatness", 1.5);
@@ -157,10 +158,12 @@ TEST(BlockShapeEffect, KeepsTheVolumeAndTheRatios) {
     EXPECT_NEAR(size.y() / size.z(), 1.0 / 0.8 * 1.5, 1e-12);
     EXPECT_EQ(changed.list[0].mass, 1000.0);
     EXPECT_EQ(changed.shape.points, 20);
+    EXPECT_EQ(changed.shape.polygon_points, 8) << "of the polygon in 2D, too";
     EXPECT_NEAR(changed.distribution.ratio_21[0], 0.8 / 1.3, 1e-12);
     EXPECT_NEAR(changed.distribution.ratio_32[1], 0.8 / 1.5, 1e-12);
     population.shape.shape = BlockShape::Sharp;
     EXPECT_EQ(reshaped(population, std::vector<Effect>{effect}).shape.points, kSharpPoints / 2);
+    EXPECT_EQ(reshaped(population, std::vector<Effect>{effect}).shape.polygon_points, kSharpPoints / 2);
     population.shape.shape = BlockShape::Box;
     EXPECT_THROW(reshaped(population, std::vector<Effect>{effect}), InputError);
 }
