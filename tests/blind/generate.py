@@ -45,9 +45,10 @@ except ImportError as error:
 TIME_STEP = 16e-3           # [s] of truth and model alike: its statistics differ from those of the default by less than a case can see
 DELTAS = (2.0, 3.0, 4.5, 6.0, 9.0)  # to be reached: what the soil parameters absorb once settled leaves a third of the cases below 1.5
 # chance of a tier: 5 is "nothing hidden"
-TIERS = {0: 0.10, 1: 0.20, 2: 0.06, 3: 0.13, 4: 0.06, 5: 0.35, 6: 0.10}
+TIERS = {0: 0.12, 1: 0.22, 2: 0.06, 3: 0.12, 4: 0.05, 5: 0.34, 6: 0.09}
 START = {"restitution": 0.1, "friction": 0.6, "rolling": 0.05}  # of the site that the finder gets
 POSITION_ERROR, SPEED_ERROR, HEIGHT_ERROR, SPIN_ERROR = 0.2, (0.05, 0.2), 0.1, 0.3
+NOISE = (0.5, 2.0)          # all of these times a factor between these
 # what a recalibration moves: step of the derivatives (of a logarithm for rolling), least and largest value, which are those of a diagnosis that is told nothing else
 ABSORBING = {"restitution": (0.05, 0.0, 0.4), "friction": (0.08, 0.3, 0.9), "rolling": (math.log(1.3), 0.002, 0.15)}
 RECALIBRATIONS = 3  # steps with the derivatives at the model's parameters
@@ -73,6 +74,7 @@ SAME_FORMULA = {
     "rolling_speed": (["rolling_speed"], 0.2, 5.0, lambda q, at: entry("rolling_speed", speed=1.0 / q)),
     "rolling_size": (["rolling_size"], 0.5, 3.0, lambda q, at: entry("rolling_size", exponent=q)),
     "restitution_pfeiffer_bowen": (["restitution_half_speed"], 0.2, 5.0, lambda q, at: entry("restitution_pfeiffer_bowen", half_speed=1.0 / q)),
+    "restitution_mass": (["restitution_mass"], 0.15, 0.9, lambda q, at: entry("restitution_mass", exponent=-q)),
     "slip_friction": (["slip_friction"], 1.0, 8.0, lambda q, at: entry("slip_friction", ratio=1.0 + q)),
     "low_friction": (["low_friction"], 0.3, 0.6, lambda q, at: entry("low_friction", friction=max(0.65 - q, 0.02), **{"from": at[0], "to": at[1]})),
     "roughness": (["roughness"], 0.05, 0.5, lambda q, at: entry("roughness", amplitude=q)),
@@ -80,6 +82,8 @@ SAME_FORMULA = {
     "forest_drag": (["forest_drag"], 200.0, 5000.0, lambda q, at: entry("forest_drag", coefficient=q, **{"from": at[0], "to": at[1]})),
     "block_shape longer": (["block_shape"], 0.15, 1.5, lambda q, at: entry("block_shape", elongation=1.0 + q)),
     "block_shape sharper": (["block_shape"], 0.2, 0.8, lambda q, at: entry("block_shape", corners=1.0 - q)),
+    "block_shape rounder": (["block_shape"], 0.3, 3.0, lambda q, at: entry("block_shape", corners=1.0 + q)),
+    "trees": (["forest_drag"], 200.0, 2400.0, lambda q, at: entry("trees", density=q)),
     "release_motion": (["release_motion"], 2.0, 15.0, lambda q, at: entry("release_motion", speed=q)),
     "fragmentation": (["fragmentation"], 0.1, 2.0, lambda q, at: entry("fragmentation", speed=1.0 / q)),
 }
@@ -152,6 +156,7 @@ class Case:
         start = float(r.uniform(first - 12.0, terrains.SLOPES[self.slope]["floor"] - 10.0))
         self.at = (round(start, 1), round(start + float(r.uniform(6.0, 15.0)), 1))
         self.target = float(r.choice(DELTAS))
+        self.noise = float(math.exp(r.uniform(*np.log(NOISE))))
         self.blocks = self.draw_blocks(self.n)
         self.fault, self.effects = None, []
         table = {0: SAME_FORMULA, 1: SAME_FAMILY, 3: OUTSIDE, 6: FAULTS}.get(self.tier)
@@ -174,6 +179,9 @@ class Case:
         if any("restitution" in name or "bounce" in name for name in names):  # invisible without a bounce
             for soil in self.soils.values():
                 soil["restitution"] = max(soil["restitution"], 0.2)
+
+    def speed_error(self, speed):
+        return self.noise * (SPEED_ERROR[0] * speed + SPEED_ERROR[1])
 
     def draw_blocks(self, count):
         r, rows = self.random, []
@@ -245,20 +253,21 @@ class Case:
     def measure(self, values, random, fault=None):
         """What instruments and their faults make of it: noise added, columns of the two screens and of the impacts only."""
         v = np.concatenate([values[:, :8], values[:, -FILMED:]], axis=1)
+        position_error, height_error, spin_error = (self.noise * e for e in (POSITION_ERROR, HEIGHT_ERROR, SPIN_ERROR))
         name, q = fault or (None, 0.0)
         if name == "screen_shift" and q:
             k = int(np.argmin(np.abs(np.array(SHIFTS) - q)))
             v[:, 5:8] = values[:, 8 + 3 * k:11 + 3 * k]
         for k in range(2):
             speed, height, spin = (v[:, 2 + 3 * k + i] for i in range(3))
-            speed += (SPEED_ERROR[0] * speed + SPEED_ERROR[1]) * random.standard_normal(len(v))
+            speed += self.speed_error(speed) * random.standard_normal(len(v))
             if name == "speed_bias":
                 speed *= 1.0 + q
             if name == "speed_noise":
                 speed += q * random.standard_normal(len(v))
             np.maximum(speed, 0.0, out=speed)
-            height += HEIGHT_ERROR * random.standard_normal(len(v)) + (q if name == "height_datum" else 0.0)
-            spin += SPIN_ERROR * random.standard_normal(len(v))
+            height += height_error * random.standard_normal(len(v)) + (q if name == "height_datum" else 0.0)
+            spin += spin_error * random.standard_normal(len(v))
             np.maximum(spin, 0.0, out=spin)
             if name == "slow_missed":
                 v[speed < q, 2 + 3 * k:5 + 3 * k] = np.nan
@@ -266,13 +275,13 @@ class Case:
             for k in range(8, 8 + FILMED, 2):
                 speed, rise = v[:, k], v[:, k + 1]
                 for one in (speed, rise):
-                    one += (SPEED_ERROR[0] * np.abs(one) + SPEED_ERROR[1]) * random.standard_normal(len(v))
+                    one += self.speed_error(np.abs(one)) * random.standard_normal(len(v))
                     if name == "speed_bias":
                         one *= 1.0 + q
                 if name == "speed_noise":
                     speed += q * random.standard_normal(len(v))
                 np.maximum(speed, 0.0, out=speed)
-        v[:, 1] += POSITION_ERROR * random.standard_normal(len(v))
+        v[:, 1] += position_error * random.standard_normal(len(v))
         if name == "ids_shuffled" and q > 0.0:
             some = np.flatnonzero(random.uniform(size=len(v)) < q)
             self.taken_for = np.arange(len(v))  # rows of the blocks that these are taken for
@@ -429,7 +438,7 @@ class Case:
     # ---- the whole ----
 
     def write(self, work):
-        truth = {"case": self.number, "tier": self.tier, "slope": self.slope, "n": self.n, "ids": self.ids, "instruments": self.instruments,
+        truth = {"case": self.number, "tier": self.tier, "slope": self.slope, "n": self.n, "ids": self.ids, "instruments": self.instruments, "noise": self.noise,
                  "soils": self.soils, "hidden": [], "target": self.target if self.tier not in (4, 5) else None}
         if self.effects or self.fault:
             delta = self.detectability(work)
@@ -475,7 +484,7 @@ class Case:
             table.writerow((["block_id"] if self.ids else []) + ["easting_m", "northing_m", "crs", "position_error_m"])
             for name, v in rows:
                 table.writerow(([name] if self.ids else []) + [f"{terrains.EAST + v[1]:.2f}", f"{terrains.NORTH + terrains.WIDTH / 2:.2f}", f"EPSG:{terrains.EPSG}",
-                                                              POSITION_ERROR])
+                                                              f"{self.noise * POSITION_ERROR:.3f}"])
         with open(case / "observed" / "screen_crossings.csv", "w", newline="", encoding="utf-8") as file:
             table = csv.writer(file, lineterminator="\n")
             more = "height" in self.instruments
@@ -485,8 +494,8 @@ class Case:
                 for name, v in rows:
                     speed, height, spin = v[2 + 3 * k:5 + 3 * k]
                     if math.isfinite(speed):
-                        table.writerow([f"ES{k + 1}"] + ([name] if self.ids else []) + [f"{speed:.2f}", f"{SPEED_ERROR[0] * speed + SPEED_ERROR[1]:.2f}"]
-                                       + ([f"{height:.2f}", HEIGHT_ERROR, f"{spin:.2f}", SPIN_ERROR] if more else []))
+                        table.writerow([f"ES{k + 1}"] + ([name] if self.ids else []) + [f"{speed:.2f}", f"{self.speed_error(speed):.2f}"]
+                                       + ([f"{height:.2f}", f"{self.noise * HEIGHT_ERROR:.3f}", f"{spin:.2f}", f"{self.noise * SPIN_ERROR:.3f}"] if more else []))
         if "impacts" not in self.instruments:
             return
         with open(case / "observed" / "impacts.csv", "w", newline="", encoding="utf-8") as file:
@@ -496,7 +505,7 @@ class Case:
                 for k in range(IMPACTS):
                     pair = v[8 + len(IMPACT_FIELDS) * k:8 + len(IMPACT_FIELDS) * (k + 1)]
                     if all(math.isfinite(x) for x in pair):
-                        error = SPEED_ERROR[0] * max(pair[0], pair[2]) + SPEED_ERROR[1]
+                        error = self.speed_error(max(pair[0], pair[2]))
                         table.writerow([name, k + 1, *(f"{x:.2f}" for x in pair), f"{error:.2f}", f"{error:.2f}"])
 
 
@@ -512,7 +521,7 @@ def main():
     parser.add_argument("--seed", required=True, help="any text; development and test use different ones")
     parser.add_argument("--first", type=int, default=0)
     parser.add_argument("--cases", type=int, default=1)
-    parser.add_argument("--slopes", choices=list(terrains.SETS), default="test")
+    parser.add_argument("--slopes", choices=list(terrains.SETS), default="final")
     parser.add_argument("--tiers", type=lambda text: [int(t) for t in text.split(",")], default=list(TIERS))
     parser.add_argument("--count", type=int, default=COUNT, help=f"simulated blocks behind a delta (default {COUNT})")
     parser.add_argument("--search", choices=["whole", "none"], default="whole",

@@ -6,7 +6,7 @@ Usage: score.py FOLDER [--table FILE] [--picture FILE]
 
 Prints rates with their 95 % intervals (Wilson), of all cases and of those with 50 blocks, power by delta, of all effects together and of each, and a confusion
 matrix; --table writes one line per case, --picture draws the power curve (needs python3-matplotlib). FOLDER/settled.csv, if there is one, has deltas that were taken
-again (settle.py).
+again (of test-H).
 """
 import argparse
 import collections
@@ -49,7 +49,7 @@ def seals(folder):
 
 
 def taken_again(folder):
-    """Deltas of settle.py by case and name of what is hidden."""
+    """Deltas that were taken again, by case and name of what is hidden."""
     table = folder / "settled.csv"
     return {(int(row["case"]), row["hidden"]): float(row["delta"]) for row in csv.DictReader(table.open())} if table.exists() else {}
 

@@ -32,7 +32,7 @@ def run(script, *arguments):
 def main():
     with tempfile.TemporaryDirectory() as folder:
         for first, tier in enumerate("515"):
-            run("generate.py", sys.argv[1], folder, "--seed", "smoke", "--first", str(first), "--tiers", tier, "--count", "60", "--blocks", "14", "--threads", "2", "--search", "none")
+            run("generate.py", sys.argv[1], folder, "--seed", "smoke", "--first", str(first), "--tiers", tier, "--count", "60", "--blocks", "14", "--threads", "2", "--search", "none", "--slopes", "development")
         for file in (Path(folder) / "cases").rglob("*"):
             if file.is_file():
                 text = file.read_text()

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The slopes of the blind cases: some for development, on which thresholds were chosen as on the sample sites, others for tests."""
+"""The slopes of the blind cases: some for development, on which thresholds were chosen as on the sample sites; others for tests, whose cases were looked at when they had been scored; others again that no finder was changed after."""
 import math
 import os
 
@@ -24,8 +24,11 @@ SLOPES = {
     "couloir": {"reaches": [(22, 40), (10, 30), (28, 37), (18, 22), (15, 8), (100, 0)], "floor": 88.0, "screens": (38.0, 78.0), "crown": 10.0},
     "steps": {"reaches": [(20, 36), (4, 60), (9, 6), (26, 37), (5, 50), (8, 4), (20, 33), (100, 0)], "floor": 102.0, "screens": (52.0, 92.0), "crown": 10.0},
     "hollow": {"reaches": [(15, 43), (15, 38), (15, 34), (15, 28), (15, 18), (15, 8), (100, 0)], "floor": 78.0, "screens": (34.0, 64.0), "crown": 10.0},
+    "road": {"reaches": [(34, 38), (6, 2), (3, 45), (28, 34), (14, 14), (100, 0)], "floor": 86.0, "screens": (40.0, 80.0), "crown": 10.0},
+    "terraces": {"reaches": [(18, 36), (3, 62), (12, 16), (22, 38), (3, 62), (10, 10), (18, 36), (100, 0)], "floor": 96.0, "screens": (48.0, 88.0), "crown": 10.0},
+    "gorge": {"reaches": [(12, 46), (24, 36), (12, 44), (16, 28), (18, 16), (100, 1)], "floor": 92.0, "screens": (44.0, 74.0), "crown": 10.0},
 }
-SETS = {"development": ("talus", "benches", "convex"), "test": ("couloir", "steps", "hollow")}
+SETS = {"development": ("talus", "benches", "convex"), "test": ("couloir", "steps", "hollow"), "final": ("road", "terraces", "gorge")}
 
 
 def heights(name, x):
