@@ -231,6 +231,8 @@ ExitCode run_diagnose(const Context& context) {
         study.search.generations *= 2;
         study.search.repeats *= kFull;
     }
+    study.search = with_budget_of(
+        study.search, study.keys.problem.parameters.size() + 1);  // of one effect; the model without has no less
 
     const SiteModel model = load_site(site);
     print_warnings(context, model.warnings);

@@ -3,6 +3,8 @@
 
 #include "inference/gap_statistic.hpp"
 
+#include "scree/base/assert.hpp"
+
 #include <algorithm>
 #include <cmath>
 #include <map>
@@ -81,12 +83,13 @@ double yardstick(const PointSample& measured, bool share) {
     return sum;
 }
 
-/// Stops and the zones that they are counted in are one place; so are the impacts that were filmed, wherever they were.
+/// Stops and the zones that they are counted in are one place. Impacts that were filmed take no part.
 std::string place_of(const Observable& observable, const ObservationOperator& op) {
     if (!observable.counts.empty() || observable.columns.empty()) return "stops";
     const Column& c = observable.columns.front();
     if (c.place < 0 || c.quantity == Quantity::InZone) return "stops";
-    return op.is_impact(c.place) ? "impacts" : op.screens[static_cast<std::size_t>(c.place)];
+    SCREE_ASSERT(!op.is_impact(c.place));
+    return op.screens[static_cast<std::size_t>(c.place)];
 }
 
 }  // namespace

@@ -34,14 +34,13 @@ CalibrationPlan::CalibrationPlan(const CalibrationProblem& problem, const Calibr
     folds = s.folds < 2 || dimension == 0 ? 0 : std::min(positive(s.folds), problem.records);
     places = folds == 0 || problem.places.size() < 2 ? 0 : problem.places.size();
     if (dimension == 0) return;
-    screening = s.screening > 0 ? positive(s.screening) : std::max<std::size_t>(8, 4 * dimension);
-    starts = std::min(std::max<std::size_t>(1, positive(s.starts) / levels.size()), screening);
-    population = s.population > 0 ? std::max<std::size_t>(2, positive(s.population))
-                                  : static_cast<std::size_t>(CmaEs::default_population(dimension));
-    generations = positive(s.generations);
-    const std::size_t coefficients = QuadraticFit::coefficients(dimension);
-    surroundings = s.surroundings > 0 ? positive(s.surroundings) : std::max<std::size_t>(40, 5 * coefficients);
-    surroundings = std::max(surroundings, kSurroundingRounds * (coefficients + 2));  // each round must be able to fit
+    const CalibrationSettings decided = with_budget_of(s, dimension);
+    screening = positive(decided.screening);
+    starts = std::min(std::max<std::size_t>(1, positive(decided.starts) / levels.size()), screening);
+    population = std::max<std::size_t>(2, positive(decided.population));
+    generations = positive(decided.generations);
+    surroundings = std::max(positive(decided.surroundings),  // each round must be able to fit
+                            kSurroundingRounds * (QuadraticFit::coefficients(dimension) + 2));
 }
 
 std::size_t CalibrationPlan::total() const {
@@ -66,6 +65,16 @@ void check_problem(const CalibrationProblem& problem) {
     for (const CalibrationChoice& c : problem.choices)
         if (c.levels.empty() || c.start >= c.levels.size())
             throw InputError("the choice " + c.name + " must have levels, and the model's own must be one of them");
+}
+
+CalibrationSettings with_budget_of(CalibrationSettings s, std::size_t parameters) {
+    const auto unless_set = [](std::int64_t& setting, std::size_t usual) {
+        if (setting <= 0) setting = static_cast<std::int64_t>(usual);
+    };
+    unless_set(s.screening, std::max<std::size_t>(8, 4 * parameters));
+    unless_set(s.population, static_cast<std::size_t>(CmaEs::default_population(std::max<std::size_t>(parameters, 1))));
+    unless_set(s.surroundings, std::max<std::size_t>(40, 5 * QuadraticFit::coefficients(parameters)));
+    return s;
 }
 
 std::size_t planned_evaluations(const CalibrationProblem& problem, const CalibrationSettings& settings) {

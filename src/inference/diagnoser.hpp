@@ -216,6 +216,7 @@ private:
     bool return_without(Diagnosis& d, const Hypothesis& with);
     bool follow_from_given(Diagnosis& d, std::vector<Hypothesis>& followed);
     double log_weight(const Hypothesis& h) const;
+    std::optional<std::size_t> nearest_fingerprint(const Hypothesis& h, const ScoreResult& score) const;
     void weigh(Diagnosis& d, std::vector<Hypothesis>& followed) const;
     void conclude(Diagnosis& d, std::vector<Hypothesis>& followed) const;
     double goodness_of_fit(const Survey& survey, std::size_t fingerprint, double left) const;

@@ -415,6 +415,7 @@ bool Diagnoser::advance(Pursuit& p) {
         p.best.q = kInfinity;
         p.here = p.of_best;
     }
+    p.here.rows.resize(0, 0);  // what is judged later are those of the best
     return true;
 }
 
@@ -520,7 +521,8 @@ bool Diagnoser::decide_close_race(std::vector<Hypothesis>& followed) {
             ++waiting;
             if (!next || log_weight(h) > log_weight(*next)) next = &h;
         }
-        if (!next || close < 2 || (first && best_p <= kHopeless * settings_.rejected)) return true;
+        const bool leads = next && log_weight(*next) == most;
+        if (!next || (close < 2 && !leads) || (first && best_p <= kHopeless * settings_.rejected)) return true;
         planned_ = done_ + waiting * of_survey();
         if (!race(*next)) return false;
     }

@@ -41,8 +41,9 @@ std::optional<double> Diagnoser::left_at(double strength, std::size_t fingerprin
     if (!table) return std::nullopt;
     const ResidualSpace space(std::move(*table), measured_, problem_.blocks, settings_.residuals,
                               base_.space->residuals());
-    return ScoreTest(row_covariance(space), base_.slopes.directions, deviation_, {})(mean_residual(space.of(measured_)))
-        .q;
+    const ResidualMean observed = mean_residual(space.of(measured_));
+    if (!comparable(observed, base_.observed)) return kInfinity;
+    return ScoreTest(row_covariance(space), base_.slopes.directions, deviation_, {})(observed).q;
 }
 
 /// Finalists by what they leave at the strength that leaves least: a strong effect may be far from what its fingerprint at the reference strength tells.
@@ -125,7 +126,7 @@ Diagnoser::WideSearch Diagnoser::search_for(Hypothesis h) {
     return {std::move(h),
             std::move(low),
             std::move(high),
-            EmulatedSearch(size, kLeastNoise, RandomStream(settings_.seed, next_seed_++, RandomPurpose::Calibration)),
+            EmulatedSearch(size, kLeastNoise, RandomStream(settings_.seed, next_seed_++, RandomPurpose::Diagnosis)),
             {}};
 }
 

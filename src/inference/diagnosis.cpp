@@ -107,7 +107,7 @@ std::optional<ObservationTable> Diagnoser::simulate(const char* stage, const Eig
     if (progress_) progress_({stage, done_, std::max(planned_, done_ + 1)});
     DiagnosisTask task{{parameters.data(), parameters.data() + parameters.size()},
                        std::move(effects),
-                       settings_.seed + next_seed_++,
+                       RandomStream(settings_.seed, next_seed_++, RandomPurpose::Diagnosis).bits() >> 2,
                        repeats};
     auto table = simulate_(task);
     ++done_;
@@ -362,7 +362,8 @@ bool Diagnoser::move_base(Diagnosis& d, const Hypothesis& without) {
     moved.interrupted = d.interrupted;
     if (!build_space(before.space->residuals()) || !differentiate() || !take_fingerprints()) return false;
     judge(moved);
-    if (moved.test.p > d.test.p)
+    const bool as_likely = moved.test.p == d.test.p;  // with so few draws both may be the least that can be told
+    if (moved.test.p > d.test.p || (as_likely && moved.score.q < d.score.q))
         d = std::move(moved);
     else
         std::swap(before, base_);
@@ -416,6 +417,7 @@ bool Diagnoser::follow_from_given(Diagnosis& d, std::vector<Hypothesis>& followe
     base_.parameters = given_parameters();
     Hypothesis without;
     if (!build_space(calibrated.space->residuals()) || !differentiate() || !follow(without)) return false;
+    left_without_ = std::min(left_without_, without.q);
     std::swap(given, base_);
     std::swap(calibrated, base_);
     if (!move_base(d, without)) return false;
@@ -452,11 +454,26 @@ double Diagnoser::log_weight(const Hypothesis& h) const {
                     static_cast<double>(problem_.effects.size() * effect.variants.size()));
 }
 
+/// Of the way in which it acts, and in a place the nearest one that overlaps with it: a search may have ended far from where it began. Nothing if there is none.
+std::optional<std::size_t> Diagnoser::nearest_fingerprint(const Hypothesis& h, const ScoreResult& score) const {
+    if (!h.on) return h.fingerprint;
+    std::optional<std::size_t> nearest;
+    const auto far = [&](std::size_t k) { return std::abs(variants_[k].on->middle() - h.on->middle()); };
+    for (std::size_t k = 0; k < static_cast<std::size_t>(score.z.size()); ++k) {
+        const EffectDose &v = variants_[k], &of_h = variants_[h.fingerprint];
+        if (v.effect != of_h.effect || v.variant != of_h.variant || !v.on) continue;
+        if (v.on->to <= h.on->from || v.on->from >= h.on->to) continue;
+        if (!nearest || far(k) < far(*nearest)) nearest = k;
+    }
+    return nearest;
+}
+
 /// Posterior weights of the finalists. Something without a name may have moved the mean residual anywhere, by an unknown multiple of its noise: its likelihood is the
 /// largest over that multiple. The calibrated model is weighed against the best of them by the z of its fingerprint, whose noise is that of one
-/// simulation and not of two; by what it leaves itself, once followed as effects are, where that is more beyond the noise of two; and by that alone where
+/// simulation and not of two, as far as what it leaves itself, followed as effects are, bears that out within the noise of two; and by that alone where
 /// the effect was out of sight.
 void Diagnoser::weigh(Diagnosis& d, std::vector<Hypothesis>& followed) const {
+    std::erase_if(followed, [](const Hypothesis& h) { return !std::isfinite(h.q); });
     std::stable_sort(followed.begin(), followed.end(),
                      [&](const Hypothesis& a, const Hypothesis& b) { return log_weight(a) > log_weight(b); });
     const auto effect_of = [&](const Hypothesis& h) { return variants_[h.fingerprint].effect; };
@@ -479,9 +496,13 @@ void Diagnoser::weigh(Diagnosis& d, std::vector<Hypothesis>& followed) const {
     double left = std::min(d.score.q, left_without_);  // without any effect
     if (!followed.empty()) {
         const Hypothesis& best = followed.front();
-        const double z = d.score.z[static_cast<Eigen::Index>(best.fingerprint)];
-        left = best.q + (best.from_given ? std::max(left - best.q, 0.0)
-                                         : std::max(z > 0.0 ? z * z : 0.0, left - best.q - kQNoise));
+        const std::optional<std::size_t> seen = best.from_given ? std::nullopt : nearest_fingerprint(best, d.score);
+        if (seen) {
+            const double z = std::max(d.score.z[static_cast<Eigen::Index>(*seen)], 0.0);
+            left = std::min(best.q + std::max(z * z, left - best.q - kQNoise), left_without_ + kQNoise);
+        } else {
+            left = std::max(left, best.q);
+        }
     }
     const double log_none = -0.5 * left + std::log(settings_.prior_none);
     const double free =
@@ -504,8 +525,10 @@ void Diagnoser::weigh(Diagnosis& d, std::vector<Hypothesis>& followed) const {
         f.variant = v.variant;
         f.on = followed[k].on;
         f.middle_deviation = followed[k].middle_deviation;
-        f.z = d.score.z[static_cast<Eigen::Index>(followed[k].fingerprint)];
-        f.visibility = d.score.visibility[static_cast<Eigen::Index>(followed[k].fingerprint)];
+        const auto near =
+            static_cast<Eigen::Index>(nearest_fingerprint(followed[k], d.score).value_or(followed[k].fingerprint));
+        f.z = d.score.z[near];
+        f.visibility = d.score.visibility[near];
         f.strength = followed[k].strength;
         f.strength_deviation = followed[k].strength_deviation;
         f.parameter_deviation = followed[k].parameter_deviation;

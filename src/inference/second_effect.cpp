@@ -63,11 +63,12 @@ EffectFinding as_left(EffectFinding first, double most, std::vector<double> para
 /// The first effect suffices alone where nothing is missing beside it.
 bool answer_with_one(const EffectFinding& first, double most, const Diagnosis& beside,
                      const DiagnosisSettings& settings, Diagnosis& d) {
-    const double deviation = first.strength_deviation / most;
+    const double deviation = beside.score.shift_deviation[beside.score.shift_deviation.size() - 1];
     if (beside.verdict != Verdict::None || first.weight < settings.named || !acts(beside.parameters.back(), deviation))
         return false;
     d.answer = {as_left(first, most, beside.parameters, deviation)};
     d.answer.front().p = beside.test.p;
+    d.answer.front().misfit = beside.score.q;
     return true;
 }
 

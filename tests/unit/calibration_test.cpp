@@ -247,6 +247,19 @@ TEST(Calibration, GoesAroundWhereNothingCanBeSaid) {
     EXPECT_THROW(calibrate(two_and_a_choice(), quick(), nothing, empty, nullptr), InputError);
 }
 
+// What is held against each other is searched with the same effort.
+TEST(Calibration, OneBudgetServesModelsWithMoreAndFewerParameters) {
+    CalibrationProblem fewer = two_and_a_choice(), more = fewer;
+    more.parameters.push_back({"strength", 0.0, 1.0, 0.5, false});
+    EXPECT_LT(planned_evaluations(fewer, {}), planned_evaluations(more, {}));
+    const CalibrationSettings decided = with_budget_of({}, 3);
+    EXPECT_EQ(planned_evaluations(fewer, decided), planned_evaluations(more, decided));
+    EXPECT_EQ(planned_evaluations(more, decided), planned_evaluations(more, {}));
+    CalibrationSettings set;
+    set.screening = 11;
+    EXPECT_EQ(with_budget_of(set, 3).screening, 11) << "what somebody has set stays";
+}
+
 TEST(Calibration, RefusesProblemsThatMakeNoSense) {
     CalibrationJournal journal;
     const auto refuses = [&](const CalibrationProblem& problem, const char* what) {

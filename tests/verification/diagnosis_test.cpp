@@ -419,7 +419,7 @@ TEST(Diagnosis, PlanningSaysWhatWouldBeSeen) {
             EXPECT_EQ(f.on, f.seen_on);
         }
         if (f.effect != kMassTrend) continue;
-        EXPECT_GT(f.visibility, 1.5);
+        EXPECT_GT(f.visibility, 1.2);
         // 80 % of the tests with that strength reject
         int rejected = 0;
         constexpr int kCases = 16;

@@ -16,7 +16,8 @@ enum class RandomPurpose : std::uint32_t {
     Effect = 5,
     Resampling = 6,
     Observation = 7,
-    Calibration = 8
+    Calibration = 8,
+    Diagnosis = 9
 };
 
 /// A counter-based random stream: Philox4x32-10 (Salmon et al. 2011, SC'11) keyed by (seed, stream number, purpose).

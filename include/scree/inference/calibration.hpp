@@ -195,6 +195,10 @@ struct CalibrationProgress {
     bool from_journal = false;
 };
 
+/// The settings with nothing left open about how much is simulated: what a problem of so many parameters gets by default. Models with more and with fewer
+/// parameters than that then have the same search.
+CalibrationSettings with_budget_of(CalibrationSettings settings, std::size_t parameters);
+
 /// Simulations that a calibration takes [-].
 std::size_t planned_evaluations(const CalibrationProblem& problem, const CalibrationSettings& settings);
 

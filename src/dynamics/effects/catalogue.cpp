@@ -94,10 +94,10 @@ constexpr P kFragmentation[] = {
     {"share", "-", 0.5, 0.01, 1.0, 1.0, "Of the volume in the largest piece, which goes on.",
      "0.1 to 0.6 in quarry tests"},
     {"most", "-", 1.0, 1.0, 100.0, kNo, "How often a block may break.", kChoice}};
-constexpr P kOwnLaw[] = {{"a", "-", 0.0, -1e9, 1e9, kNo, "A number that the law is given.", kChoice},
-                         {"b", "-", 0.0, -1e9, 1e9, kNo, "Another.", kChoice},
-                         {"c", "-", 0.0, -1e9, 1e9, kNo, "Another.", kChoice},
-                         {"d", "-", 0.0, -1e9, 1e9, kNo, "Another.", kChoice}};
+constexpr P kOwnLaw[] = {{"a", "-", 0.0, -1e9, 1e9, kNo, "A number that the law is given.", "your law says what it is"},
+                         {"b", "-", 0.0, -1e9, 1e9, kNo, "Another.", "your law says what it is"},
+                         {"c", "-", 0.0, -1e9, 1e9, kNo, "Another.", "your law says what it is"},
+                         {"d", "-", 0.0, -1e9, 1e9, kNo, "Another.", "your law says what it is"}};
 constexpr P kReleaseMotion[] = {
     {"speed", "m/s", 2.0, 0.0, 50.0, 0.0, "Added at the start, down the slope.", "0 to 6 m/s"},
     {"spin", "rad/s", 0.0, 0.0, 100.0, 0.0, "Added at the start, in the sense of rolling down the slope.", kChoice}};
