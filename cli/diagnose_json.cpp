@@ -71,7 +71,16 @@ Json answer_json(const DiagnoseStudy& study, const AnswerFit& a, const AnsweredE
         json["held_out_loss"] = a.model.result.held_out.loss;
         json["held_out_gap"] = a.model.result.held_out.gap();
         if (const auto share = removable_gap_closed(study, a)) json["removable_gap_closed"] = *share;
+        if (const auto gain = held_out_gain(study, a))
+            json["held_out_gain"] = {{"mean", gain->mean}, {"standard_error", gain->error}};
         if (!a.model.result.places.empty()) json["places"] = Json::parse(places_json(a.model.result));
+    }
+    for (std::size_t k = 0; k < study.before.observables.size() && k < a.study.observables.size(); ++k) {
+        const ObservableGap &before = study.before.observables[k].gap, &after = a.study.observables[k].gap;
+        json["observables"].push_back({{"name", before.observable.name},
+                                       {"gap_calibrated", before.pooled.gap},
+                                       {"gap", after.pooled.gap},
+                                       {"chance_95", ends_of(before.pooled.chance)}});
     }
     for (std::size_t k = 0; k < a.model.point.values.size(); ++k)
         json["calibrated"][study.keys.problem.parameters[k].name] = a.model.point.values[k];

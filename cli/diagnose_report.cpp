@@ -60,6 +60,7 @@ void print_answers(std::ostream& out, const DiagnoseStudy& study) {
             out << (*share > 0.0 ? "  closes " : "  widens by ")
                 << short_number(100.0 * std::min(1.0, *share) * (*share > 0.0 ? 1.0 : -1.0))
                 << " % of the removable held-out gap\n";
+        if (const std::string gain = gain_text(study, a); !gain.empty()) out << "  " << gain << "\n";
     }
     for (std::size_t k = 0; k < study.answers.size(); ++k) {
         const std::vector<ScreenChange> changes = changes_at_screens(study, k);
@@ -150,7 +151,9 @@ std::string gaps_html(const DiagnoseStudy& study, const AnswerFit& a) {
                     chance_text(study.before.overall)});
     if (!study.baseline.result.folds.empty())
         rows.push_back({"held out, what was fitted", held_out_text(study.baseline), held_out_text(a.model), ""});
-    return html_table({"gap", "calibrated", "with " + a.name(), "chance"}, rows) + places_html(study, a);
+    const std::string gain = gain_text(study, a);
+    return html_table({"gap", "calibrated", "with " + a.name(), "chance"}, rows) +
+           (gain.empty() ? "" : "<p>Of what is fitted " + gain + ".</p>\n") + places_html(study, a);
 }
 
 std::string consequences_html(const DiagnoseStudy& study, std::size_t answer) {

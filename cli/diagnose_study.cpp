@@ -504,6 +504,17 @@ std::optional<double> removable_gap_closed(const DiagnoseStudy& study, const Ans
     return (without.loss - with.loss) / (without.loss - with.floor);
 }
 
+std::optional<HeldOutGain> held_out_gain(const DiagnoseStudy& study, const AnswerFit& answer) {
+    const std::vector<double>&without = study.baseline.result.held_out_losses,
+          &with = answer.model.result.held_out_losses;
+    if (without.size() < 2 || with.size() != without.size()) return std::nullopt;
+    const auto n = static_cast<Eigen::Index>(without.size());
+    const Eigen::ArrayXd gain =
+        Eigen::Map<const Eigen::ArrayXd>(without.data(), n) - Eigen::Map<const Eigen::ArrayXd>(with.data(), n);
+    const double variance = (gain - gain.mean()).square().sum() / static_cast<double>(n - 1);
+    return HeldOutGain{gain.mean(), std::sqrt(variance / static_cast<double>(n))};
+}
+
 /// Standard deviation of the measured stops to the sides of the axis [m].
 static double spread_beside(const ObservedSite& observed) {
     std::vector<double> beside;

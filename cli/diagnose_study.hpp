@@ -129,6 +129,13 @@ void judge_refits(DiagnoseStudy& study);
 /// where the model without the answer loses no more than that: what is minimised then says nothing of what is missing.
 std::optional<double> removable_gap_closed(const DiagnoseStudy& study, const AnswerFit& answer);
 
+/// What a block that was held out loses less with the answer, in the mean, and the standard error of that [-]: both from differences of the same blocks.
+struct HeldOutGain {
+    double mean = kNaN, error = kNaN;  ///< [-]
+};
+/// Nothing where there are no folds.
+std::optional<HeldOutGain> held_out_gain(const DiagnoseStudy& study, const AnswerFit& answer);
+
 /// What the test in `input.observed`, of which values say only what would be measured, could see with the site's own parameters.
 void plan_study(const DiagnoseInput& input, DiagnoseStudy& study);
 

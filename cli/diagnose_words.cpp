@@ -7,7 +7,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <numeric>
+#include <optional>
 
 namespace scree::cli {
 
@@ -66,6 +68,13 @@ std::string held_out_text(const CalibratedModel& m) {
     return m.result.folds.empty() ? "-" : gap_number(m.result.held_out.gap());
 }
 
+std::string gain_text(const DiagnoseStudy& study, const AnswerFit& answer) {
+    const auto gain = held_out_gain(study, answer);
+    if (!gain) return "";
+    return "a block held out loses " + short_number(std::abs(gain->mean)) + " +- " + short_number(gain->error) +
+           (gain->mean < 0.0 ? " more with " : " less with ") + answer.name() + " (mean and standard error)";
+}
+
 std::string smallest_seen(const DiagnoseStudy& study, const EffectFinding& f) {
     if (!std::isfinite(f.smallest_seen)) return "not visible";
     const DiagnosisVariant v = study.catalogue.variant(f.effect, f.seen_variant, f.seen_on);
@@ -90,22 +99,49 @@ std::vector<std::size_t> by_size(const Eigen::VectorXd& values) {
     return order;
 }
 
-/// ": mean 9.8 measured, 12.4 simulated [m/s]" of a column that is an observable. Residuals count after the parameters have fitted the rest as well as they
-/// can: where that turns the sign round, or raises what is within one standard error of the mean, the calibrated model's own numbers would contradict the sentence.
-std::string in_units(const DiagnoseStudy& study, const Column& column, bool more) {
+/// A number of the measured blocks, the same of the simulated ones, and the standard error of the first.
+struct Pair {
+    const char* name;
+    double measured, simulated, error;
+    std::string unit;
+};
+
+double percent_within(const std::vector<double>& values, double from, double to) {
+    const auto inside = std::count_if(values.begin(), values.end(), [&](double v) { return v >= from && v < to; });
+    return 100.0 * static_cast<double>(inside) / static_cast<double>(values.size());
+}
+
+std::optional<Pair> pair_of(const Residual& r, const ComparedObservable& o) {
+    const auto share = [](double measured, double simulated, std::size_t of) {
+        return Pair{"", measured, simulated, std::sqrt(simulated * (100.0 - simulated) / static_cast<double>(of)),
+                    " %"};
+    };
+    if (r.kind == ResidualKind::Passed && o.measured_share.of > 0)
+        return share(100.0 * o.measured_share.share(), 100.0 * o.simulated_share.share(),
+                     static_cast<std::size_t>(o.measured_share.of));
+    if (o.measured.empty() || o.simulated.empty()) return std::nullopt;
+    if (r.kind == ResidualKind::Window)
+        return share(percent_within(o.measured, r.from, r.to), percent_within(o.simulated, r.from, r.to),
+                     o.measured.size());
+    const SampleSummary &m = o.measured_summary, &s = o.simulated_summary;
+    const double error = m.deviation / std::sqrt(static_cast<double>(o.measured.size()));
+    if (r.kind == ResidualKind::Level) return Pair{"mean ", m.mean, s.mean, error, " " + o.unit};
+    if (r.kind == ResidualKind::Spread)
+        return Pair{"standard deviation ", m.deviation, s.deviation, error / std::numbers::sqrt2, " " + o.unit};
+    return std::nullopt;
+}
+
+/// ": mean 9.8 m/s measured, 12.4 m/s simulated", where what was measured is an observable. Residuals count after the parameters have fitted the rest as well as they
+/// can: where that turns the sign round, or raises what is within one standard error, the calibrated model's own numbers would contradict the sentence.
+std::string in_units(const DiagnoseStudy& study, const Residual& r, bool more) {
     for (const ComparedObservable& o : study.before.observables) {
-        if (o.gap.observable.columns.size() != 1 || o.gap.observable.columns.front() != column) continue;
-        const bool share = o.measured_share.of > 0;
-        if (!share && o.measured.empty()) continue;
-        const double measured = share ? 100.0 * o.measured_share.share() : o.measured_summary.mean,
-                     simulated = share ? 100.0 * o.simulated_share.share() : o.simulated_summary.mean;
-        const double deviation = share ? std::sqrt(simulated * (100.0 - simulated)) : o.measured_summary.deviation,
-                     count = share ? static_cast<double>(o.measured_share.of) : static_cast<double>(o.measured.size());
-        const double difference = more ? measured - simulated : simulated - measured;
-        if (!(difference > deviation / std::sqrt(count))) return ", once the parameters fit the rest";
-        return share ? ": " + short_number(measured) + " % measured, " + short_number(simulated) + " % simulated"
-                     : ": mean " + short_number(measured) + " measured, " + short_number(simulated) + " simulated [" +
-                           o.unit + "]";
+        if (o.gap.observable.columns.size() != 1 || o.gap.observable.columns.front() != r.column) continue;
+        const std::optional<Pair> p = pair_of(r, o);
+        if (!p) continue;
+        const double difference = more ? p->measured - p->simulated : p->simulated - p->measured;
+        if (!(difference > p->error)) return ", once the parameters fit the rest";
+        return std::string(": ") + p->name + short_number(p->measured) + p->unit + " measured, " +
+               short_number(p->simulated) + p->unit + " simulated";
     }
     return "";
 }
@@ -233,11 +269,9 @@ std::vector<std::string> where_sentences(const DiagnoseStudy& study) {
         if (d.test.residual_p[i] > study.settings.level || sentences.size() == kMostSentences) break;
         const double s = d.score.standardised[i];
         const Residual& r = d.residuals[k];
-        sentences.push_back(
-            subject_of(study, r) + " " + direction(r, s > 0.0) +
-            (r.kind == ResidualKind::Level || r.kind == ResidualKind::Passed ? in_units(study, r.column, s > 0.0)
-                                                                             : std::string()) +
-            " (" + short_number(std::abs(s)) + " standard deviations, p = " + p_text(d.test.residual_p[i]) + ")");
+        sentences.push_back(subject_of(study, r) + " " + direction(r, s > 0.0) + in_units(study, r, s > 0.0) + " (" +
+                            short_number(std::abs(s)) + " standard deviations, p = " + p_text(d.test.residual_p[i]) +
+                            ")");
     }
     return sentences;
 }

@@ -26,6 +26,8 @@ std::string strength_text(const AnsweredEffect& e);
 Interval middle_interval(const AnsweredEffect& e);
 /// Gap of what is fitted on blocks held out, "-" without folds.
 std::string held_out_text(const CalibratedModel& m);
+/// "a block held out loses 0.12 +- 0.03 less with ground_drag"; empty where none was.
+std::string gain_text(const DiagnoseStudy& study, const AnswerFit& answer);
 /// Smallest strength that four of five tests would see, "not visible" if none does.
 std::string smallest_seen(const DiagnoseStudy& study, const EffectFinding& f);
 /// Effects that look like this one after a recalibration.

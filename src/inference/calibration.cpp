@@ -485,6 +485,7 @@ private:
         RandomStream random = stream(kFolds);
         for (std::size_t k = shuffled.size(); k > 1; --k) std::swap(shuffled[k - 1], shuffled[random.below(k)]);
         result_.held_out = result_.held_out_start = {0.0, 0.0};
+        result_.held_out_losses.assign(problem_.records, kNaN);
         for (std::size_t f = 0; f < plan_.folds; ++f) {
             CalibrationFold fold;
             std::vector<char> training(problem_.records, 1), test(problem_.records, 0);
@@ -501,6 +502,7 @@ private:
                     fold.point = point;
                     fold.training = known;
                     fold.test = fit_of(result, test);
+                    for (const std::size_t k : fold.held_out) result_.held_out_losses[k] = result.loss[k];
                     for (std::size_t p = 0; p < at_places.size(); ++p) at_places[p] = fit_of(at_place(result, p), test);
                 });
             fold.start_test = fit_of(start, test);

@@ -5,6 +5,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <memory>
 
 namespace scree::cli {
@@ -112,6 +113,18 @@ TEST(DiagnoseRefits, TheShareClosedIsThatOfWhatCouldBeClosed) {
     EXPECT_NEAR(*removable_gap_closed(study, half), 0.5, 1e-12);
     half.model.result.held_out.floor = 1.0;
     EXPECT_FALSE(removable_gap_closed(study, half)) << "nothing was left to close";
+}
+
+TEST(DiagnoseRefits, TheGainOfBlocksHeldOutHasAnError) {
+    DiagnoseStudy study = study_of({});
+    AnswerFit fit = answer("ground_drag", 1.0, 0.9);
+    EXPECT_FALSE(held_out_gain(study, fit)) << "nothing was held out";
+    study.baseline.result.held_out_losses = {1.0, 5.0, 3.0, 9.0};
+    fit.model.result.held_out_losses = {0.0, 4.0, 1.0, 9.0};  // 1, 1, 2 and 0 less
+    const auto gain = held_out_gain(study, fit);
+    ASSERT_TRUE(gain);
+    EXPECT_NEAR(gain->mean, 1.0, 1e-12);
+    EXPECT_NEAR(gain->error, std::sqrt(2.0 / 3.0 / 4.0), 1e-12);
 }
 
 TEST(DiagnoseRefits, WithoutFoldsNoShareIsClosed) {

@@ -108,6 +108,17 @@ TEST(Diagnose, NamesAFaultOfTheMeasurementAndWritesAllOfIt) {
     EXPECT_LT(answer.at("interval_95")[1].get<double>() - answer.at("interval_95")[0].get<double>(), 0.5);
     EXPECT_LT(answer.at("held_out_loss"), j.at("baseline").at("held_out_loss"));
     EXPECT_GT(answer.at("removable_gap_closed").get<double>(), 0.5);
+    const json& gain = answer.at("held_out_gain");
+    EXPECT_GT(gain.at("mean").get<double>(), 0.0);
+    EXPECT_GT(gain.at("standard_error").get<double>(), 0.0);
+    EXPECT_THAT(run.out, HasSubstr("less with speed_error (mean and standard error)"));
+    bool told = false;
+    for (const json& o : answer.at("observables")) {
+        if (o.at("name") != "speed at ES1-A") continue;
+        told = true;
+        EXPECT_LT(o.at("gap").get<double>(), o.at("gap_calibrated").get<double>()) << "before and after";
+    }
+    EXPECT_TRUE(told);
     EXPECT_LE(j.at("global_test").at("p").get<double>(), 0.05);
     for (const char* name : {"report.html", "site_extended.toml", "results.gpkg", "SHA256SUMS", "figures/where.svg",
                              "figures/where_along.svg", "figures/effects.svg", "figures/calibrated_overview.svg",

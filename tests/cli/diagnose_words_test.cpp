@@ -83,6 +83,7 @@ TEST(DiagnoseWords, MeansAreToldWhereTheySayWhatTheResidualSays) {
     o.gap.observable.columns = {speed};
     o.unit = "m/s";
     o.measured.assign(25, 5.0);
+    o.simulated.assign(100, 5.0);
     o.measured_summary = {5.0, 2.0, {}};  // a standard error of 0.4
     const auto sentence_with = [&](double simulated) {
         o.simulated_summary.mean = simulated;
@@ -92,7 +93,29 @@ TEST(DiagnoseWords, MeansAreToldWhereTheySayWhatTheResidualSays) {
     EXPECT_THAT(sentence_with(5.5), StartsWith(parameters));
     EXPECT_THAT(sentence_with(4.7), StartsWith(parameters));
     EXPECT_THAT(sentence_with(4.5),
-                StartsWith("speed at ES1 is larger than simulated: mean 5 measured, 4.5 simulated [m/s] (3.85"));
+                StartsWith("speed at ES1 is larger than simulated: mean 5 m/s measured, 4.5 m/s simulated (3.85"));
+
+    study.diagnosis.residuals.front().kind = ResidualKind::Spread;
+    o.simulated_summary = {5.0, 1.2, {}};  // a standard error of 0.28
+    EXPECT_THAT(where_sentences(study).front(),
+                StartsWith("spread of speed at ES1 is wider than simulated: standard deviation 2 m/s measured, 1.2 m/s "
+                           "simulated (3.85"));
+    o.simulated_summary.deviation = 1.8;
+    EXPECT_THAT(where_sentences(study).front(), HasSubstr("once the parameters fit the rest"));
+}
+
+TEST(DiagnoseWords, StopsInAStretchAreToldAsShares) {
+    DiagnoseStudy study = unknown({0.9}, 0.3);
+    const Column along{Quantity::Along, -1};
+    study.diagnosis.residuals.push_back({ResidualKind::Window, along, {}, 20.0, 30.0});
+    study.diagnosis.score.standardised = Eigen::VectorXd::Constant(1, 5.2);
+    study.diagnosis.test.residual_p = Eigen::VectorXd::Constant(1, 0.001);
+    ComparedObservable& o = study.before.observables.emplace_back();
+    o.gap.observable.columns = {along};
+    o.measured = {5.0, 20.0, 29.9, 30.0};
+    o.simulated = {5.0, 6.0, 19.9, 25.0, 30.0, 41.0, 42.0, 43.0, 44.0, 45.0};
+    EXPECT_THAT(where_sentences(study).front(),
+                AllOf(HasSubstr("are more than simulated: 50 % measured, 10 % simulated (5.2")));
 }
 
 TEST(DiagnoseWords, ANameThatWasTakenBack) {

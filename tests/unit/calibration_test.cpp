@@ -169,6 +169,20 @@ TEST(Calibration, FoldsCoverEveryRecordOnce) {
 }
 
 // Two places that ask for different values: the calibration lies between, and what is left out is predicted by what the other one asks for.
+TEST(Calibration, KeepsWhatEveryRecordLosesHeldOut) {
+    CalibrationJournal journal;
+    const CalibrationResult r = calibrate(two_and_a_choice(), quick(), bowl, journal, nullptr);
+    ASSERT_EQ(r.held_out_losses.size(), kRecords);
+    double mean = 0.0;
+    for (const double loss : r.held_out_losses) mean += loss / kRecords;
+    EXPECT_NEAR(mean, r.held_out.loss, 1e-12);
+    for (const CalibrationFold& f : r.folds) {
+        double of_fold = 0.0;
+        for (const std::size_t k : f.held_out) of_fold += r.held_out_losses[k] / static_cast<double>(f.held_out.size());
+        EXPECT_NEAR(of_fold, f.test.loss, 1e-12);
+    }
+}
+
 TEST(Calibration, LeavesOutEveryPlaceOnce) {
     CalibrationProblem problem;
     problem.parameters = {{"x", 0.0, 10.0, 5.0, false}};

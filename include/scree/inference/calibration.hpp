@@ -181,7 +181,8 @@ struct CalibrationResult {
     CalibrationFit start_fit, best_fit;  ///< of all records, same random numbers
     std::vector<CalibrationFold> folds;
     CalibrationFit held_out, held_out_start;  ///< over all folds
-    std::vector<CalibrationPlace> places;     ///< empty if there is one only, or no cross-validation
+    std::vector<double> held_out_losses;   ///< of every record, by the fold that left it out; empty without folds [-]
+    std::vector<CalibrationPlace> places;  ///< empty if there is one only, or no cross-validation
     std::vector<std::vector<double>>
         draws;  ///< plausible parameter values, for pictures and predictions: per draw one per parameter [*]
 };
