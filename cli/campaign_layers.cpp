@@ -384,7 +384,7 @@ std::vector<gis::RasterLayer> campaign_rasters(const SiteModel& model, const Cam
         };
         add("mean", "mean", [](const QuantityStatistics& s, std::int64_t n) { return mean_of(s, n); });
         for (const int percent : kPercents)
-            add("p" + std::to_string(percent), std::to_string(percent) + " % quantile",
+            add(std::string("p").append(std::to_string(percent)), std::to_string(percent) + " % quantile",
                 [percent](const QuantityStatistics& s, std::int64_t) { return s.histogram.quantile(0.01 * percent); });
         add("max", "maximum", [](const QuantityStatistics& s, std::int64_t) { return s.largest; });
     }
