@@ -35,11 +35,10 @@ void add_known(const Setting<S>& key, const S& settings, KnownKey& found) {
 bool find_effect_key(const SiteFile& site, const std::string& name, KnownKey& found) {
     const auto last = name.rfind('.');
     const std::string which = last > 7 ? name.substr(7, last - 7) : std::string();
-    for (std::size_t i = 0; i < site.settings.effects.size(); ++i) {
+    for (const std::size_t i : entries_meant(which, names_of(site.settings.effects))) {
         const EffectSettings& e = site.settings.effects[i];
         const EffectInfo& info = effect_info(e.effect.kind);
-        if (info.hook == EffectHook::Terrain || info.hook == EffectHook::Measurement || !is_meant(which, info.name, i))
-            continue;
+        if (info.hook == EffectHook::Terrain || info.hook == EffectHook::Measurement) continue;
         for (const auto& k : effect_keys(e.effect.kind))
             if (k.key == name.substr(last + 1)) add_known(k, e, found);
     }
@@ -52,10 +51,9 @@ bool find_key(const SiteFile& site, const std::string& name, KnownKey& found) {
     if (name.starts_with("soil.")) {
         const auto last = name.rfind('.');
         const std::string soil_name = last > 5 ? name.substr(5, last - 5) : std::string(), key = name.substr(last + 1);
-        for (std::size_t i = 0; i < site.settings.soils.size(); ++i)
+        for (const std::size_t i : entries_meant(soil_name, names_of(site.settings.soils)))
             for (const auto& k : soil_keys())
-                if (is_meant(soil_name, site.settings.soils[i].name, i) && k.key == key)
-                    add_known(k, site.settings.soils[i], found);
+                if (k.key == key) add_known(k, site.settings.soils[i], found);
         return !found.values.empty();
     }
     for (const auto& k : site_keys())
@@ -131,16 +129,14 @@ private:
             const auto begin = key.find('.') + 1, end = key.rfind('.');
             return end > begin ? key.substr(begin, end - begin) : std::string();
         };
-        const auto& soils = site_.settings.soils;
-        const auto& effects = site_.settings.effects;
         bool both = name == other;
         if (part(name) == part(other) && name.substr(0, 5) == other.substr(0, 5)) {
-            for (std::size_t i = 0; name.starts_with("soil.") && i < soils.size(); ++i)
-                both = both || (is_meant(which(name), soils[i].name, i) && is_meant(which(other), soils[i].name, i));
-            for (std::size_t i = 0; name.starts_with("effect.") && i < effects.size(); ++i) {
-                const char* kind = effect_info(effects[i].effect.kind).name;
-                both = both || (is_meant(which(name), kind, i) && is_meant(which(other), kind, i));
-            }
+            const std::vector<std::string> names = name.starts_with("soil.")     ? names_of(site_.settings.soils)
+                                                   : name.starts_with("effect.") ? names_of(site_.settings.effects)
+                                                                                 : std::vector<std::string>();
+            const std::vector<std::size_t> one = entries_meant(which(name), names),
+                                           two = entries_meant(which(other), names);
+            both = both || std::find_first_of(one.begin(), one.end(), two.begin(), two.end()) != one.end();
         }
         if (both) refuse("frees " + (name == other ? name : "what " + other + " frees") + " a second time");
     }

@@ -189,10 +189,13 @@ void apply_change(toml::table& table, const std::string& change) {
         const std::string which = key.substr(0, last);
         key = key.substr(last + 1);
         toml::array* list = table[section].as_array();
+        std::vector<std::string> names_there;
         for (std::size_t i = 0; list && i < list->size(); ++i) {
-            toml::table* entry = (*list)[i].as_table();
-            if (entry && is_meant(which, (*entry)[name].value_or(std::string()), i)) targets.push_back(entry);
+            const toml::table* entry = (*list)[i].as_table();
+            names_there.push_back(entry ? (*entry)[name].value_or(std::string()) : std::string());
         }
+        for (const std::size_t i : entries_meant(which, names_there))
+            if (toml::table* entry = (*list)[i].as_table()) targets.push_back(entry);
         if (targets.empty()) {
             std::string names;
             for (std::size_t i = 0; list && i < list->size(); ++i)
@@ -306,15 +309,35 @@ SiteFile read_site_file(const std::filesystem::path& file, const std::vector<std
     return site;
 }
 
-bool is_meant(std::string_view which, std::string_view name, std::size_t number) {
-    while (which != name) {
-        const auto bar = which.find('|');
-        const std::string_view one = which.substr(0, bar);
-        if (one == "*" || one == name || one == std::to_string(number)) return true;
-        if (bar == std::string_view::npos) return false;
-        which.remove_prefix(bar + 1);
+std::vector<std::size_t> entries_meant(std::string_view which, const std::vector<std::string>& names) {
+    const auto means = [&](std::string_view one, std::size_t number) {
+        if (one == "*" || one == names[number]) return true;
+        return one == std::to_string(number) && std::find(names.begin(), names.end(), one) == names.end();
+    };
+    std::vector<std::size_t> meant;
+    for (std::size_t i = 0; i < names.size(); ++i) {
+        bool found = which == names[i];  // which may have a | in it
+        for (std::string_view rest = which; !found;) {
+            const auto bar = rest.find('|');
+            found = means(rest.substr(0, bar), i);
+            if (bar == std::string_view::npos) break;
+            rest.remove_prefix(bar + 1);
+        }
+        if (found) meant.push_back(i);
     }
-    return true;
+    return meant;
+}
+
+std::vector<std::string> names_of(const std::vector<Soil>& soils) {
+    std::vector<std::string> names;
+    for (const Soil& soil : soils) names.push_back(soil.name);
+    return names;
+}
+
+std::vector<std::string> names_of(const std::vector<EffectSettings>& effects) {
+    std::vector<std::string> names;
+    for (const EffectSettings& e : effects) names.emplace_back(effect_info(e.effect.kind).name);
+    return names;
 }
 
 SiteFile with_changes(SiteFile site, const std::vector<std::string>& changes) {
@@ -337,13 +360,11 @@ SiteFile with_changes(SiteFile site, const std::vector<std::string>& changes) {
             meant = true;
         };
         if (section == "soil") {
-            for (std::size_t i = 0; i < settings.soils.size(); ++i)
-                if (is_meant(which, settings.soils[i].name, i)) read(soil_keys(), settings.soils[i]);
+            for (const std::size_t i : entries_meant(which, names_of(settings.soils)))
+                read(soil_keys(), settings.soils[i]);
         } else if (section == "effect") {
-            for (std::size_t i = 0; i < settings.effects.size(); ++i) {
-                const EffectKind kind = settings.effects[i].effect.kind;
-                if (is_meant(which, effect_info(kind).name, i)) read(effect_keys(kind), settings.effects[i]);
-            }
+            for (const std::size_t i : entries_meant(which, names_of(settings.effects)))
+                read(effect_keys(settings.effects[i].effect.kind), settings.effects[i]);
         } else {
             for (const auto& row : site_keys())
                 if (row.name() == name) {

@@ -26,9 +26,11 @@ struct SiteFile {
 /// are errors. Settings that belong together are checked against each other.
 SiteFile read_site_file(const std::filesystem::path& file, const std::vector<std::string>& changes);
 
-/// Whether WHICH of soil.WHICH.key or effect.WHICH.key means the entry of that name (of an effect: kind) and number, counted from 0: its name or number, names
+/// Which entries WHICH of soil.WHICH.key or effect.WHICH.key means, counted from 0: by their names (of effects: kinds), by numbers that are no name, several
 /// with | between them, or * for all.
-bool is_meant(std::string_view which, std::string_view name, std::size_t number);
+std::vector<std::size_t> entries_meant(std::string_view which, const std::vector<std::string>& names);
+std::vector<std::string> names_of(const std::vector<Soil>& soils);
+std::vector<std::string> names_of(const std::vector<EffectSettings>& effects);
 
 /// A site as read, with other values of some keys ("release.height=3", "soil.NAME.rolling=0.05", "effect.KIND.coefficient=1"), in memory: the file is
 /// not read again.

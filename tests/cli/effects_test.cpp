@@ -126,6 +126,20 @@ TEST(EffectKeys, ChangeInMemoryAsInTheFileAndSeveralAtOnce) {
         EXPECT_THROW(cli::with_changes(cli::read_site_file(site, {}), {wrong}), InputError) << wrong;
 }
 
+// Soils that a map numbers: a number means a place in the list only where it is no name.
+TEST(EntriesMeant, ANumberIsANameWhereThereIsOne) {
+    using testing::ElementsAre;
+    const std::vector<std::string> numbered{"1", "2", "10"}, named{"loose waste", "a|b", "rock"};
+    EXPECT_THAT(cli::entries_meant("1", numbered), ElementsAre(0));
+    EXPECT_THAT(cli::entries_meant("1|10", numbered), ElementsAre(0, 2));
+    EXPECT_THAT(cli::entries_meant("0", numbered), ElementsAre(0)) << "the first, as no name";
+    EXPECT_THAT(cli::entries_meant("*", numbered), ElementsAre(0, 1, 2));
+    EXPECT_THAT(cli::entries_meant("1", named), ElementsAre(1));
+    EXPECT_THAT(cli::entries_meant("rock|0", named), ElementsAre(0, 2));
+    EXPECT_THAT(cli::entries_meant("a|b", named), ElementsAre(1));
+    EXPECT_THAT(cli::entries_meant("moss", named), testing::IsEmpty());
+}
+
 // Every physical effect of the catalogue in one run; run.toml does the same run again.
 TEST(EffectRun, EveryPhysicalEffectAndTheRunAgain) {
     const TempDir folder;
