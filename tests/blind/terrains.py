@@ -16,7 +16,7 @@ EPSG, EAST, NORTH, WIDTH = 2154, 700000.0, 6500000.0, 40.0
 RELEASE = 8.0                # [m] from the western edge
 
 # Reaches from the release down: (length [m], slope [degrees]), corners are rounded over some metres; "floor" is where the second soil begins;
-# screens stand at these distances from the western edge.
+# screens stand at these distances from the western edge. The last ones end on the opposite side of the valley, which holds all blocks.
 SLOPES = {
     "talus": {"reaches": [(18, 37), (42, 35), (15, 25), (15, 12), (70, 1)], "floor": 74.0, "screens": (35.0, 66.0), "crown": 10.0},
     "benches": {"reaches": [(30, 37), (5, 55), (7, 3), (22, 38), (6, 4), (25, 35), (70, 1)], "floor": 102.0, "screens": (40.0, 78.0), "crown": 10.0},
@@ -24,9 +24,9 @@ SLOPES = {
     "couloir": {"reaches": [(22, 40), (10, 30), (28, 37), (18, 22), (15, 8), (100, 0)], "floor": 88.0, "screens": (38.0, 78.0), "crown": 10.0},
     "steps": {"reaches": [(20, 36), (4, 60), (9, 6), (26, 37), (5, 50), (8, 4), (20, 33), (100, 0)], "floor": 102.0, "screens": (52.0, 92.0), "crown": 10.0},
     "hollow": {"reaches": [(15, 43), (15, 38), (15, 34), (15, 28), (15, 18), (15, 8), (100, 0)], "floor": 78.0, "screens": (34.0, 64.0), "crown": 10.0},
-    "road": {"reaches": [(34, 38), (6, 2), (3, 45), (28, 34), (14, 14), (100, 0)], "floor": 86.0, "screens": (40.0, 80.0), "crown": 10.0},
-    "terraces": {"reaches": [(18, 36), (3, 62), (12, 16), (22, 38), (3, 62), (10, 10), (18, 36), (100, 0)], "floor": 96.0, "screens": (48.0, 88.0), "crown": 10.0},
-    "gorge": {"reaches": [(12, 46), (24, 36), (12, 44), (16, 28), (18, 16), (100, 1)], "floor": 92.0, "screens": (44.0, 74.0), "crown": 10.0},
+    "road": {"reaches": [(34, 38), (6, 2), (3, 45), (28, 34), (14, 14), (60, 0), (80, -12)], "floor": 86.0, "screens": (40.0, 80.0), "crown": 10.0},
+    "terraces": {"reaches": [(18, 36), (3, 62), (12, 16), (22, 38), (3, 62), (10, 10), (18, 36), (60, 0), (80, -12)], "floor": 96.0, "screens": (48.0, 88.0), "crown": 10.0},
+    "gorge": {"reaches": [(12, 46), (24, 36), (12, 44), (16, 28), (18, 16), (60, 0), (90, -14)], "floor": 92.0, "screens": (44.0, 74.0), "crown": 10.0},
 }
 SETS = {"development": ("talus", "benches", "convex"), "test": ("couloir", "steps", "hollow"), "final": ("road", "terraces", "gorge")}
 
