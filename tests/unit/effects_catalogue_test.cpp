@@ -168,6 +168,26 @@ TEST(BlockShapeEffect, KeepsTheVolumeAndTheRatios) {
     EXPECT_THROW(reshaped(population, std::vector<Effect>{effect}), InputError);
 }
 
+// A shape and a push of nothing change no bit of a block and of its start.
+TEST(BlockShapeEffect, DoesNothingWhereNeutral) {
+    BlockPopulation population;
+    population.list = {{"a", 1000.0, {1.2, 1.0, 0.8}}};
+    const std::vector<Effect> neutral{make_effect(EffectKind::BlockShape)};
+    EXPECT_EQ(draw_polygon(reshaped(population, neutral), 3, 0).body.x.matrix(),
+              draw_polygon(population, 3, 0).body.x.matrix());
+    EXPECT_EQ(draw_block(reshaped(population, neutral), 3, 0).body.volume, draw_block(population, 3, 0).body.volume);
+}
+
+TEST(ReleaseMotion, DoesNothingWhereNeutral) {
+    const auto surface = grid_terrain(20.0, 1.0, [](double x, double) { return -0.6 * x; });
+    BlockState<3> s;
+    s.velocity = {1.0, 2.0, 3.0};
+    const Vec3 before = s.velocity;
+    push_release(std::vector<Effect>{push(0.0, 0.0)}, *surface, s);
+    EXPECT_EQ(s.velocity, before);
+    EXPECT_EQ(s.spin, BlockState<3>().spin);
+}
+
 TEST(EffectStream, DiffersByKindNumberAndBlock) {
     std::set<std::uint64_t> first;
     for (const EffectKind kind : {EffectKind::RestitutionPfeifferBowen, EffectKind::Trees, EffectKind::IdsShuffled})

@@ -13,6 +13,7 @@
 
 #include <atomic>
 #include <cmath>
+#include <optional>
 #include <set>
 
 namespace scree::test {
@@ -146,19 +147,29 @@ TEST_P(EveryEffect, ChangesTheMotion) {
     EXPECT_GT(changed, 0);
 }
 
+/// The same effect at a strength at which it does nothing, if it has one.
+std::optional<Effect> neutral(const Effect& effect) {
+    const EffectInfo& info = effect_info(effect.kind);
+    Effect weak = effect;
+    if (effect.kind == EffectKind::SoilPatch || effect.kind == EffectKind::OwnLaw) {  // by their standard values
+        weak.values = make_effect(effect.kind).values;
+        return weak;
+    }
+    for (std::size_t k = 0; k < info.parameters.size(); ++k) {
+        if (std::isnan(info.parameters[k].neutral)) continue;
+        weak.values[k] = info.parameters[k].neutral;
+        return weak;
+    }
+    return std::nullopt;
+}
+
 // At the neutral value of its strength an effect leaves every bit of the motion as it is. Forces in flight cut it into pieces, which rounds differently:
 // the first second of flight tells.
 TEST_P(EveryEffect, IsTheContactLawWhereNeutral) {
     const EffectInfo& info = effect_info(GetParam());
-    Effect effect = strong(GetParam());
-    bool neutral = GetParam() == EffectKind::SoilPatch || GetParam() == EffectKind::OwnLaw;  // by their standard values
-    if (neutral) effect.values = make_effect(GetParam()).values;
-    for (std::size_t k = 0; k < info.parameters.size() && !neutral; ++k) {
-        if (std::isnan(info.parameters[k].neutral)) continue;
-        effect.values[k] = info.parameters[k].neutral;
-        neutral = true;
-    }
-    ASSERT_TRUE(neutral) << "no parameter of " << info.name << " has a neutral value";
+    const std::optional<Effect> weak = neutral(strong(GetParam()));
+    ASSERT_TRUE(weak) << "no parameter of " << info.name << " has a neutral value";
+    const Effect& effect = *weak;
     EXPECT_NO_THROW(check_effect(effect, true));
     if (info.hook == EffectHook::Force || info.hook == EffectHook::Crossing) {
         const ConvexBlock block = hull(1);
@@ -252,6 +263,20 @@ TEST_P(EveryEffect, CreatesNoEnergyInThePlaneAndChangesTheMotion) {
         changed += with.end.state.position != without.end.state.position;
     }
     EXPECT_GT(changed, 0);
+}
+
+TEST_P(EveryEffect, IsTheContactLawWhereNeutralInThePlane) {
+    const EffectHook hook = effect_info(GetParam()).hook;
+    if (hook == EffectHook::Force || hook == EffectHook::Crossing) return;  // these cut flights into pieces, too
+    const std::vector<Effect> effects = in_plane({neutral(strong(GetParam())).value()});
+    for (std::uint64_t number = 0; number < 30; ++number) {
+        const PlaneFuzzScene scene = plane_fuzz_scene(number);
+        const FuzzOutcome<2> with = plane_fuzz_block(scene, fuzz_settings(), effects),
+                             without = plane_fuzz_block(scene, fuzz_settings(), {});
+        EXPECT_EQ(with.end.state.position, without.end.state.position) << scene.what;
+        EXPECT_EQ(with.end.state.spin, without.end.state.spin) << scene.what;
+        EXPECT_EQ(with.end.time, without.end.time) << scene.what;
+    }
 }
 
 TEST(AllEffects, FlightsWithDragDoNotTunnelInThePlane) {
