@@ -71,11 +71,12 @@ private:
     bool ended_ = false;
 };
 
-/// Runs the program with --progress=json and sends Ctrl-C after its `after`-th report of progress: the last line that it said.
-inline std::string interrupted(const std::vector<std::string>& args, int after = 1) {
+/// Runs the program with --progress=json and sends Ctrl-C after its `after`-th report of progress, of the stage if one is given: the last line that it said.
+inline std::string interrupted(const std::vector<std::string>& args, int after = 1, const std::string& stage = "") {
     Process run(args);
     std::string line, last;
-    while (after > 0 && !(line = run.line()).empty()) after -= line.find("\"done\"") != std::string::npos;
+    while (after > 0 && !(line = run.line()).empty())
+        after -= line.find("\"done\"") != std::string::npos && line.find(stage) != std::string::npos;
     EXPECT_THAT(line, testing::HasSubstr("\"done\"")) << "it never reported progress";
     run.interrupt();
     for (line = run.line(); !line.empty(); line = run.line()) last = line;
