@@ -91,7 +91,8 @@ Figure effects_figure(const DiagnoseStudy& study) {
     std::vector<Bar> bars;
     for (const EffectFinding& f : d.findings) {
         const double value = study.planning ? f.visibility : f.z;
-        bars.push_back({study.candidate_of(f).name, value, study.planning ? value > d.test.z_limit : f.beyond_chance,
+        bars.push_back({study.candidate_of(f).name, value,
+                        value > d.test.z_limit && (study.planning || f.beyond_chance),
                         f.finalist ? "weight " + weight_text(f.weight) : ""});
     }
     if (study.planning)  // else finalists first, by weight

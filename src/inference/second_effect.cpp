@@ -121,6 +121,12 @@ bool explain_with_two(const DiagnosisProblem& problem, const DiagnosisSimulation
         answered = answer_with_two(second, most(second), beside_second, d);
     }
     if (!answered) return true;
+    if (d.answer.size() == 1)  // as it is told among the others
+        for (EffectFinding& f : d.findings)
+            if (f.effect == d.answer.front().effect) {
+                f.p = d.answer.front().p;
+                f.misfit = d.answer.front().misfit;
+            }
     const auto measurement = [&](const EffectFinding& f) { return problem.effects[f.effect].measurement; };
     d.verdict = std::all_of(d.answer.begin(), d.answer.end(), measurement) ? Verdict::DataProblem : Verdict::Named;
     return true;
