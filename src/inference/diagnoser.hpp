@@ -85,8 +85,11 @@ struct Hypothesis {
 std::vector<double> mean_weights(const std::vector<double>& log_weights, const std::vector<double>& deviations,
                                  std::uint64_t seed);
 
+/// By weight, then z.
+void best_first(std::vector<EffectFinding>& findings);
+
 /// What diagnose() and plan_test() do, step by step: the model is tested and judged in diagnosis.cpp, effects are looked for in diagnoser_search.cpp,
-/// followed in diagnoser_follow.cpp, and their places found in diagnoser_places.cpp.
+/// followed in diagnoser_follow.cpp, their places found in diagnoser_places.cpp, and all of them weighed in diagnoser_weights.cpp.
 class Diagnoser {
 public:
     Diagnoser(const DiagnosisProblem& problem, const ObservationTable& measured, const DiagnosisSettings& settings,

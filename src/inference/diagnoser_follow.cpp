@@ -502,7 +502,7 @@ bool Diagnoser::race(Hypothesis& h) {
 }
 
 /// Half the repeats find the way, but their noise must not decide between effects that weigh nearly the same, nor whether any of them is an explanation. Of many surveys with few
-/// simulations the least is a lucky one: who leads by it is asked first, and then whoever is close to what that has come to.
+/// simulations the least is a lucky one: who leads by it is asked first, though nobody is near, and then whoever is close to what that has come to.
 bool Diagnoser::decide_close_race(std::vector<Hypothesis>& followed) {
     const auto runs = [](const Hypothesis& h) { return std::isfinite(h.q); };
     for (bool first = true;; first = false) {
