@@ -89,13 +89,9 @@ fs::path with_speeds(const fs::path& results, const fs::path& folder, double fac
 TEST(Diagnose, NamesAFaultOfTheMeasurementAndWritesAllOfIt) {
     const TempDir folder;
     const fs::path observed = with_speeds(field_test(folder / "field", 24), folder / "obs", 1.35), out = folder / "out";
-    std::vector<std::string> more{"--observed", observed.string(),
-                                  "--set",      "diagnosis.reference_repeats=40",
-                                  "--set",      "diagnosis.repeats=16",
-                                  "--set",      "diagnosis.rounds=3",
-                                  "--set",      without(R"(, "rolling_speed", "ids_shuffled")"),
-                                  "--threads",  "1"};
-    const Outcome run = diagnose(out, more);
+    const Outcome run = diagnose(out, {"--observed", observed.string(), "--set", "diagnosis.reference_repeats=40",
+                                       "--set", "diagnosis.repeats=16", "--set", "diagnosis.rounds=3", "--set",
+                                       without(R"(, "rolling_speed", "ids_shuffled")")});
     ASSERT_EQ(run.code, 0) << run.err;
     EXPECT_THAT(run.out, HasSubstr("=> DATA PROBLEM: speed_error"));
     EXPECT_THAT(run.out, HasSubstr("speed at ES1-A is larger than simulated"));
@@ -137,16 +133,6 @@ TEST(Diagnose, NamesAFaultOfTheMeasurementAndWritesAllOfIt) {
         EXPECT_THAT(without_pixels(bytes), Not(HasSubstr("nan"))) << name;
     }
 
-    // stopped where effects are followed, and gone on with by other threads
-    const fs::path again = folder / "again";
-    more.back() = "2";
-    more.insert(more.end(), {"--progress=json", "--quiet"});
-    EXPECT_THAT(interrupted(diagnosis(again, more), 10, "finalists"), HasSubstr("--resume"));
-    EXPECT_FALSE(fs::exists(again));
-    more.emplace_back("--resume");
-    ASSERT_EQ(diagnose(again, more).code, 0);
-    EXPECT_THAT(differing_files(out, again), IsEmpty());
-
     // what was found acts where the site is compared again
     EXPECT_THAT(text_of(out / "site_extended.toml"), HasSubstr("kind = 'speed_error'"));
     const Outcome compared =
@@ -160,11 +146,29 @@ TEST(Diagnose, NamesAFaultOfTheMeasurementAndWritesAllOfIt) {
     }
 }
 
+TEST(Diagnose, GoesOnWhereItWasStoppedWhileEffectsWereFollowed) {
+    const TempDir folder;
+    const fs::path observed = with_speeds(field_test(folder / "field", 12), folder / "obs", 1.5);
+    const fs::path out = folder / "out", again = folder / "again";
+    std::vector<std::string> more{
+        "--observed", observed.string(),
+        "--set",      "diagnosis.further=false",
+        "--set",      without(R"(, "ground_drag", "rolling_speed", "screen_shift", "slow_missed", "ids_shuffled")"),
+        "--threads",  "1"};
+    ASSERT_EQ(diagnose(out, more).code, 0);
+    more.back() = "2";
+    more.insert(more.end(), {"--progress=json", "--quiet"});
+    EXPECT_THAT(interrupted(diagnosis(again, more), 5, "finalists"), HasSubstr("--resume"));
+    EXPECT_FALSE(fs::exists(again));
+    more.emplace_back("--resume");
+    ASSERT_EQ(diagnose(again, more).code, 0);
+    EXPECT_THAT(differing_files(out, again), IsEmpty());
+}
+
 TEST(Diagnose, WithoutTheRightNameItIsUnknownAndNoForce) {
     const TempDir folder;
-    const fs::path observed = with_speeds(field_test(folder / "field", 24), folder / "obs", 1.35), out = folder / "out";
+    const fs::path observed = with_speeds(field_test(folder / "field", 16), folder / "obs", 1.35), out = folder / "out";
     const std::vector<std::string> more{"--observed", observed.string(),
-                                        "--set",      "diagnosis.rounds=2",
                                         "--set",      without(R"(, "speed_error", "screen_shift")")};
     const Outcome run = diagnose(out, more);
     ASSERT_EQ(run.code, 0) << run.err;
