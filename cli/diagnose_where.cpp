@@ -16,7 +16,7 @@ namespace {
 using gis::Svg;
 using gis::SvgPanel;
 
-constexpr double kLeft = 74.0, kWidth = 800.0, kTop = 62.0, kResiduals = 300.0, kGap = 34.0,
+constexpr double kLeft = 74.0, kWidth = 800.0, kTop = 80.0, kResiduals = 300.0, kGap = 34.0,
                  kTerrain = 110.0;  // [pixel]
 constexpr double kFarthest = 0.99;  // share of the simulated stops that are in the picture [-]
 constexpr int kHeights = 400;       // along the terrain
@@ -25,10 +25,10 @@ struct Mark {
     const char* name;
     const char* colour;
 };
-constexpr Mark kStops{"stops in a stretch", kMeasuredColour}, kPassed{"share that passes", "#127a33"},
+constexpr Mark kStops{"stops", kMeasuredColour}, kPassed{"share that passes", "#127a33"},
     kSpeed{"speed", kSimulatedColour}, kHeight{"passing height", "#5a2d91"}, kSpin{"spin", "#c0398a"};
 
-/// How a level or share is marked; null: not in the picture.
+/// Colour of a quantity; null: not in the picture.
 const Mark* mark_of(Quantity quantity) {
     switch (quantity) {
         case Quantity::Passed:
@@ -66,35 +66,69 @@ std::vector<double> screen_places(const SiteModel& model, const ObservedSite& ob
     return along;
 }
 
-/// A stretch of the path, or a place on it, with what is left there.
+/// What is left on a stretch of the path, or at a place on it (`from` equals `to`).
 struct Item {
     const Mark* mark;
+    LegendMark symbol;
     double from, to;  ///< [m]
     double z;         ///< standardised residual [-]
     bool between;     ///< on the way from one screen on
 };
 
-std::vector<Item> items_of(const DiagnoseStudy& study, const std::vector<double>& screens, double end) {
-    const auto place = [&](const Column& c) { return c.place >= 0 ? screens[static_cast<std::size_t>(c.place)] : end; };
+/// Ring: the spread; diamond: how the value goes with mass, shape or order.
+LegendMark symbol_of(ResidualKind kind) {
+    switch (kind) {
+        case ResidualKind::Window:
+        case ResidualKind::Innovation:
+            return LegendMark::Line;
+        case ResidualKind::Spread:
+            return LegendMark::Ring;
+        case ResidualKind::MassTrend:
+        case ResidualKind::ShapeTrend:
+        case ResidualKind::OrderTrend:
+            return LegendMark::Diamond;
+        case ResidualKind::Passed:
+        case ResidualKind::Level:
+        case ResidualKind::Together:
+            break;
+    }
+    return LegendMark::Dot;
+}
+
+/// `stops`: where the measured stops have their middle, and what is said of all of them is drawn.
+std::vector<Item> items_of(const DiagnoseStudy& study, const std::vector<double>& screens, double stops, double end) {
+    const auto place = [&](const Column& c) {
+        return c.place >= 0 ? screens[static_cast<std::size_t>(c.place)] : stops;
+    };
     std::vector<Item> items;
     for (std::size_t k = 0; k < study.diagnosis.residuals.size(); ++k) {
         const Residual& r = study.diagnosis.residuals[k];
         const Mark* mark = mark_of(r.column.quantity);
-        if (!mark) continue;
-        Item item{mark, kNaN, kNaN, study.diagnosis.score.standardised[static_cast<Eigen::Index>(k)], false};
+        if (!mark || r.kind == ResidualKind::Together) continue;
+        Item item{mark,
+                  symbol_of(r.kind),
+                  place(r.column),
+                  place(r.column),
+                  study.diagnosis.score.standardised[static_cast<Eigen::Index>(k)],
+                  r.kind == ResidualKind::Innovation};
         if (r.kind == ResidualKind::Window) {
             item.from = std::max(r.from, 0.0);
             item.to = std::min(r.to, end);
-        } else if (r.kind == ResidualKind::Innovation) {
+        } else if (item.between) {
             item.from = place(r.other);
-            item.to = place(r.column);
-            item.between = true;
-        } else if ((r.kind == ResidualKind::Level || r.kind == ResidualKind::Passed) && r.column.place >= 0) {
-            item.from = item.to = place(r.column);
         }
         if (std::isfinite(item.from) && std::isfinite(item.to)) items.push_back(item);
     }
     return items;
+}
+
+/// Middle of the measured stops; NaN without any.
+double middle_of_stops(const ObservedSite& observed) {
+    std::vector<double> along;
+    for (const ObservedStop& s : observed.observations.stops)
+        if (std::isfinite(s.position.x())) along.push_back(observed.op.axis.place(s.position.head<2>()).along);
+    std::sort(along.begin(), along.end());
+    return along.empty() ? kNaN : sample_quantile(along, 0.5);
 }
 
 /// Chainage up to which simulated and measured blocks come, but for a few, and screens stand.
@@ -113,10 +147,10 @@ double end_of_path(const DiagnoseStudy& study, const ObservedSite& observed, con
 
 void draw_item(Svg& svg, const SvgPanel& panel, const Item& item) {
     const Vec2 from = panel.at({item.from, item.z}), to = panel.at({item.to, item.z});
-    if (item.from == item.to)
-        svg.circle(from, 5.0, fill(item.mark->colour));
-    else
+    if (item.symbol == LegendMark::Line)
         svg.segment(from, to, item.between ? stroke(item.mark->colour, 2.0, "6 3") : stroke(item.mark->colour, 4.0));
+    else
+        draw_mark(svg, from, item.symbol, item.mark->colour);
 }
 
 void draw_terrain(Svg& svg, const SvgPanel& panel, const std::vector<Vec2>& ground) {
@@ -132,7 +166,7 @@ std::optional<Figure> where_along_path(const DiagnoseStudy& study, const SiteMod
     if (study.planning || study.diagnosis.residuals.empty()) return std::nullopt;
     const std::vector<double> screens = screen_places(model, observed);
     const double end = end_of_path(study, observed, screens), limit = study.diagnosis.test.residual_limit;
-    const std::vector<Item> items = items_of(study, screens, end);
+    const std::vector<Item> items = items_of(study, screens, middle_of_stops(observed), end);
     double most = 1.15 * limit;
     for (const Item& i : items) most = std::max(most, 1.1 * std::abs(i.z));
     std::vector<Vec2> ground;
@@ -171,13 +205,22 @@ std::optional<Figure> where_along_path(const DiagnoseStudy& study, const SiteMod
         if (std::any_of(items.begin(), items.end(), [&](const Item& i) { return i.mark == mark; }))
             at.x() +=
                 draw_legend(svg, at, mark == &kStops ? LegendMark::Line : LegendMark::Dot, mark->colour, mark->name);
+    at = {kLeft, 40.0};
+    const auto shown = [&](LegendMark symbol) {
+        return std::any_of(items.begin(), items.end(), [&](const Item& i) { return i.symbol == symbol; });
+    };
+    if (shown(LegendMark::Ring)) at.x() += draw_legend(svg, at, LegendMark::Ring, kTextColour, "its spread");
+    if (shown(LegendMark::Diamond))
+        at.x() += draw_legend(svg, at, LegendMark::Diamond, kTextColour, "its growth with mass, length or order");
     draw_legend(svg, at, LegendMark::Box, "#ececec", chance_words(study));
     return Figure{
         "where_along.svg", "Where along the path",
         "What is left after recalibration, where it was measured, above the terrain along the axis. Bars: "
-        "stops in a stretch of the path, positive where more were measured. Dots: what a screen saw. "
-        "Dashed: the same among blocks that left the screen before (left end) at like speeds, so that what lies "
-        "between is to blame.",
+        "stops in a stretch of the path, positive where more were measured. Dots: mean or share at a screen. Rings: "
+        "spread, positive where the measured one is wider. Diamonds: positive where the value grows more with mass, "
+        "with length, or from block to block, than simulated. Of the stops as a whole all of this is drawn at their "
+        "middle. Dashed: the mean among blocks that left the screen before (left end) at like speeds, so that what "
+        "lies between is to blame. What goes together in the same blocks is told in the sentences.",
         svg.text()};
 }
 

@@ -10,6 +10,7 @@ namespace {
 constexpr double kTick = 5.0;         // [pixel]
 constexpr double kNumberSize = 11.5;  // [pixel]
 constexpr double kTitleSize = 12.5;   // [pixel]
+constexpr double kMark = 20.0;        // of a legend [pixel]
 
 const gis::SvgPen kGrid{.stroke = "#000000", .width = 0.5, .fill = "none", .opacity = 0.12, .dashes = ""};
 const gis::SvgPen kAxis{.stroke = "#444444", .width = 1.0, .fill = "none", .opacity = 1.0, .dashes = ""};
@@ -86,13 +87,25 @@ void draw_interval(gis::Svg& svg, const Vec2& low, const Vec2& high, const std::
     svg.segment(high - cap, high + cap, pen);
 }
 
-double draw_legend(gis::Svg& svg, const Vec2& at, LegendMark mark, const std::string& colour, const std::string& text) {
-    constexpr double kMark = 20.0;  // [pixel]
-    const Box2 box{at - Vec2(0.0, 9.0), at + Vec2(kMark, 1.0)};
-    if (mark == LegendMark::Line) svg.segment(at - Vec2(0.0, 4.0), at + Vec2(kMark, -4.0), stroke(colour, 2.0));
+void draw_mark(gis::Svg& svg, const Vec2& centre, LegendMark mark, const std::string& colour) {
+    const Vec2 half(0.5 * kMark, 5.0);
+    const Box2 box{centre - half, centre + half};
+    if (mark == LegendMark::Line)
+        svg.segment({box.min.x(), centre.y()}, {box.max.x(), centre.y()}, stroke(colour, 2.0));
     if (mark == LegendMark::Band) svg.box(box, fill(colour, 0.25));
     if (mark == LegendMark::Box) svg.box(box, fill(colour));
-    if (mark == LegendMark::Dot) svg.circle(at + Vec2(0.5 * kMark, -4.0), 4.5, fill(colour));
+    if (mark == LegendMark::Dot) svg.circle(centre, 4.5, fill(colour));
+    if (mark == LegendMark::Ring) svg.circle(centre, 4.5, stroke(colour, 2.0));
+    if (mark == LegendMark::Diamond) {
+        constexpr double kCorner = 5.5;  // [pixel]
+        const Vec2 side(kCorner, 0.0), up(0.0, kCorner);
+        const std::vector<std::vector<Vec2>> rings{{centre + side, centre + up, centre - side, centre - up}};
+        svg.area(rings, fill(colour));
+    }
+}
+
+double draw_legend(gis::Svg& svg, const Vec2& at, LegendMark mark, const std::string& colour, const std::string& text) {
+    draw_mark(svg, at + Vec2(0.5 * kMark, -4.0), mark, colour);
     svg.text(at + Vec2(kMark + 6.0, 0.0), text, words(kNumberSize, "start"));
     return kMark + 6.0 + text_width(text, kNumberSize) + 18.0;
 }

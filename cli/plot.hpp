@@ -27,8 +27,10 @@ void draw_frame(gis::Svg& svg, const gis::SvgPanel& panel);
 /// A point with its interval, upright or level.
 void draw_interval(gis::Svg& svg, const Vec2& low, const Vec2& high, const std::string& colour);
 
+enum class LegendMark { Line, Band, Box, Dot, Ring, Diamond };
+void draw_mark(gis::Svg& svg, const Vec2& centre, LegendMark mark, const std::string& colour);
+
 /// One line of a legend: a mark and a text. Returns the width it took [pixel].
-enum class LegendMark { Line, Band, Box, Dot };
 double draw_legend(gis::Svg& svg, const Vec2& at, LegendMark mark, const std::string& colour, const std::string& text);
 
 /// Width of a text as most fonts set it [pixel].
