@@ -11,7 +11,7 @@ import sys
 import tempfile
 from pathlib import Path
 
-import generate  # noqa: F401  (ends here as skipped where numpy or GDAL's module is absent)
+import terrains  # noqa: F401  (ends here as skipped where numpy or GDAL's module is absent)
 
 HERE = Path(__file__).resolve().parent
 # nothing is rejected at this level, so that the time does not depend on chance: what follows a rejection has tests of its own (tests/cli/diagnose_test.cpp)

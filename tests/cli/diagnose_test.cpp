@@ -9,6 +9,7 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
+#include <algorithm>
 #include <filesystem>
 #include <regex>
 #include <sstream>
@@ -37,20 +38,36 @@ fs::path field_test(const fs::path& folder, int blocks, int dimension = 2) {
     return folder;
 }
 
-/// The same in 2D with an effect that the model lacks: FOLDER/site.toml, thrown in FOLDER/field.
-void field_test_with(const TempDir& folder, const std::string& effect, int blocks) {
+/// The same with an effect that the model lacks: FOLDER/site.toml, thrown in FOLDER/field.
+void field_test_with(const TempDir& folder, const std::string& effect, int blocks, int dimension = 2) {
     std::string text = text_of(quarry_a() / "site.toml");
     text = std::regex_replace(text, std::regex("\"data/"), "\"" + (quarry_a() / "data").string() + "/");
     put(folder / "site.toml", text + "\n[[effect]]\n" + effect);
     const Outcome field =
         scree_program({"run", (folder / "site.toml").string(), "--output", (folder / "field").string(), "--set",
-                       "model.dimension=2", "--set", "release.count=" + std::to_string(blocks), "--seed", "5"});
+                       "model.dimension=" + std::to_string(dimension), "--set",
+                       "release.count=" + std::to_string(blocks), "--seed", "5"});
     ASSERT_EQ(field.code, 0) << field.err;
 }
 
-std::vector<std::string> diagnosis(const fs::path& output, const std::vector<std::string>& more) {
-    std::vector<std::string> args{"diagnose", (quarry_a() / "site.toml").string(),      "--output", output.string(),
-                                  "--free",   "soil.compact waste.rolling=0.01:0.3:log"};
+/// A catalogue of a few: what takes long to search for is known to be absent.
+std::string nothing_but(const std::vector<std::string>& effects) {
+    json rest = json::array();
+    for (const char* name : {"soil_patch", "low_friction", "forest_drag", "slip_friction", "rolling_size",
+                             "rolling_speed", "restitution_mass", "restitution_half_speed", "fragmentation",
+                             "release_motion", "block_shape", "roughness", "ground_drag", "third_dimension",
+                             "screen_shift", "slow_missed", "ids_shuffled", "speed_error", "height_datum"})
+        if (std::find(effects.begin(), effects.end(), name) == effects.end()) rest.push_back(name);
+    return "diagnosis.without=" + rest.dump();
+}
+
+constexpr const char* kRolling = "soil.compact waste.rolling=0.01:0.3:log";
+constexpr const char* kRestitution = "soil.compact waste.restitution=0:0.2";  // makes up for hardly anything
+
+std::vector<std::string> diagnosis(const fs::path& output, const std::vector<std::string>& more,
+                                   const char* free = kRolling) {
+    std::vector<std::string> args{
+        "diagnose", (quarry_a() / "site.toml").string(), "--output", output.string(), "--free", free};
     for (const char* set :
          {"model.dimension=2", "calibration.starts=1", "calibration.screening=5", "calibration.generations=1",
           "calibration.search_repeats=3", "calibration.surroundings=8", "calibration.repeats=3",
@@ -64,8 +81,8 @@ std::vector<std::string> diagnosis(const fs::path& output, const std::vector<std
     return args;
 }
 
-Outcome diagnose(const fs::path& output, const std::vector<std::string>& more) {
-    return scree_program(diagnosis(output, more));
+Outcome diagnose(const fs::path& output, const std::vector<std::string>& more, const char* free = kRolling) {
+    return scree_program(diagnosis(output, more, free));
 }
 
 /// The same with every measured speed times a factor, as tables.
@@ -168,8 +185,8 @@ TEST(Diagnose, GoesOnWhereItWasStoppedWhileEffectsWereFollowed) {
 TEST(Diagnose, WithoutTheRightNameItIsUnknownAndNoForce) {
     const TempDir folder;
     const fs::path observed = with_speeds(field_test(folder / "field", 16), folder / "obs", 1.35), out = folder / "out";
-    const std::vector<std::string> more{"--observed", observed.string(),
-                                        "--set",      without(R"(, "speed_error", "screen_shift")")};
+    const std::vector<std::string> more{"--observed", observed.string(), "--set",
+                                        without(R"(, "speed_error", "screen_shift")")};
     const Outcome run = diagnose(out, more);
     ASSERT_EQ(run.code, 0) << run.err;
     EXPECT_THAT(run.out, HasSubstr("=> UNKNOWN"));
@@ -292,18 +309,61 @@ TEST(Diagnose, WhatActsInAPlaceIsALayerOfItsOwn) {
     EXPECT_NEAR(found, truth, 0.5 * (without_it - truth)) << "it acts there";
 }
 
-TEST(Diagnose, InSpaceItHasMaps) {
+TEST(Diagnose, TwoEffectsAreBothNamed) {
     const TempDir folder;
+    field_test_with(folder, "kind = \"ground_drag\"\ncoefficient = 3.0\n", 16);
+    const fs::path out = folder / "out", observed = with_speeds(folder / "field", folder / "obs", 1.4);
+    const Outcome run = diagnose(
+        out, {"--observed", observed.string(), "--set", nothing_but({"ground_drag", "speed_error"})}, kRestitution);
+    ASSERT_EQ(run.code, 0) << run.err;
+    EXPECT_THAT(run.out, HasSubstr("=> NAMED"));
+    const json j = json::parse(text_of(out / "diagnosis.json"));
+    ASSERT_EQ(j.at("answer").size(), 2U);
+    for (const json& answer : j.at("answer")) {
+        EXPECT_TRUE(answer.at("together").get<bool>());
+        EXPECT_THAT(run.out, HasSubstr(answer.at("effect").get<std::string>()));
+        EXPECT_LT(answer.at("held_out_loss"), j.at("baseline").at("held_out_loss"));
+        if (answer.at("effect") == "speed_error") {
+            EXPECT_NEAR(answer.at("value").get<double>(), 0.4, 0.2);
+        } else {
+            EXPECT_EQ(answer.at("effect"), "ground_drag");
+        }
+    }
+    // both act where the site is run and compared again
+    const std::string extended = text_of(out / "site_extended.toml");
+    EXPECT_THAT(extended, HasSubstr("kind = 'speed_error'"));
+    EXPECT_THAT(extended, HasSubstr("kind = 'ground_drag"));
+    const Outcome compared =
+        scree_program({"compare", (out / "site_extended.toml").string(), "--observed", observed.string(), "--output",
+                       (folder / "compared").string(), "--set", "model.dimension=2"});
+    EXPECT_EQ(compared.code, 0) << compared.err;
+}
+
+TEST(Diagnose, InSpaceItHasMapsOfBeforeAndAfter) {
+    const TempDir folder;
+    field_test_with(folder, "kind = \"rolling_size\"\nexponent = -2.0\n", 10, 3);
     const fs::path out = folder / "out";
     const Outcome run = diagnose(
-        out, {"--observed", field_test(folder / "field", 8, 3).string(), "--set", "model.dimension=3", "--set",
-              "diagnosis.reference_repeats=12", "--set", "diagnosis.level=0.001"});  // chance is no matter here
+        out,
+        {"--observed", (folder / "field").string(), "--set", "model.dimension=3", "--set",
+         "diagnosis.reference_repeats=12", "--set", "release.count=100", "--set", nothing_but({"rolling_size"})},
+        kRestitution);
     ASSERT_EQ(run.code, 0) << run.err;
-    EXPECT_THAT(run.out, HasSubstr("=> NONE"));
+    EXPECT_THAT(run.out, HasSubstr("=> NAMED: rolling_size"));
     EXPECT_THAT(run.out, Not(HasSubstr("confirm with model.dimension = 3")));
-    for (const char* name : {"figures/calibrated_map.svg", "rasters/reach_probability_calibrated.tif",
-                             "rasters/reach_probability_calibrated.qml", "results.gpkg", "results.qgs"})
+    for (const char* name :
+         {"figures/calibrated_map.svg", "figures/extended_map.svg", "rasters/reach_probability_calibrated.qml",
+          "rasters/reach_probability_extended.qml", "results.gpkg", "results.qgs"})
         EXPECT_TRUE(fs::exists(out / name)) << name;
+    const RasterFacts before = raster_facts(out / "rasters" / "reach_probability_calibrated.tif"),
+                      after = raster_facts(out / "rasters" / "reach_probability_extended.tif");
+    for (const RasterFacts& reach : {before, after}) {
+        EXPECT_TRUE(reach.finite);
+        EXPECT_GE(reach.low, 0.0);
+        EXPECT_LE(reach.high, 1.0);
+        EXPECT_GT(reach.sum, 1.0);
+    }
+    EXPECT_NE(before.sum, after.sum);
 }
 
 TEST(Diagnose, StopsAtMeasurementsThatCannotBe) {
