@@ -81,6 +81,10 @@ Json answer_json(const DiagnoseStudy& study, const AnswerFit& a, const AnsweredE
                                        {"gap_calibrated", before.pooled.gap},
                                        {"gap", after.pooled.gap},
                                        {"chance_95", ends_of(before.pooled.chance)}});
+        if (k < study.held_out.size() && k < a.held_out.size()) {
+            json["observables"].back()["held_out_gap_calibrated"] = study.held_out[k].gap;
+            json["observables"].back()["held_out_gap"] = a.held_out[k].gap;
+        }
     }
     for (std::size_t k = 0; k < a.model.point.values.size(); ++k)
         json["calibrated"][study.keys.problem.parameters[k].name] = a.model.point.values[k];

@@ -144,15 +144,21 @@ std::string gaps_html(const DiagnoseStudy& study, const AnswerFit& a) {
     std::vector<std::vector<std::string>> rows;
     for (std::size_t k = 0; k < study.before.observables.size() && k < a.study.observables.size(); ++k) {
         const ComparedObservable &b = study.before.observables[k], &w = a.study.observables[k];
+        const bool told = k < study.held_out.size() && k < a.held_out.size();
         rows.push_back({b.gap.observable.name, gap_number(b.gap.pooled.gap), gap_number(w.gap.pooled.gap),
+                        told ? gap_number(study.held_out[k].gap) : "", told ? gap_number(a.held_out[k].gap) : "",
                         chance_text(b.gap.pooled)});
     }
-    rows.push_back({"all", gap_number(study.before.overall.gap), gap_number(a.study.overall.gap),
+    rows.push_back({"all", gap_number(study.before.overall.gap), gap_number(a.study.overall.gap), "", "",
                     chance_text(study.before.overall)});
     if (!study.baseline.result.folds.empty())
-        rows.push_back({"held out, what was fitted", held_out_text(study.baseline), held_out_text(a.model), ""});
+        rows.push_back({"what was fitted", gap_number(study.baseline.result.best_fit.gap()),
+                        gap_number(a.model.result.best_fit.gap()), held_out_text(study.baseline),
+                        held_out_text(a.model), ""});
     const std::string gain = gain_text(study, a);
-    return html_table({"gap", "calibrated", "with " + a.name(), "chance"}, rows) +
+    return html_table({"gap", "calibrated", "with " + a.name(), "of blocks held out, calibrated", "with " + a.name(),
+                       "chance"},
+                      rows) +
            (gain.empty() ? "" : "<p>Of what is fitted " + gain + ".</p>\n") + places_html(study, a);
 }
 

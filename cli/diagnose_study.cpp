@@ -9,6 +9,7 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
+#include <set>
 #include <sstream>
 
 namespace scree::cli {
@@ -44,6 +45,11 @@ Interval strength_range(const AnsweredEffect& e) {
 
 bool is_far_beyond(const CompareStudy& study) {
     return study.overall.gap > kFarBeyond * study.overall.chance.high;
+}
+
+/// None where nobody knows which record is of which block.
+std::vector<ObservedBlock> known_blocks(const ObservedSite& observed) {
+    return observed.observations.matched ? observed.observations.blocks : std::vector<ObservedBlock>{};
 }
 
 /// How many strengths a refit has to find.
@@ -89,6 +95,7 @@ public:
         if (!study_.interrupted) judge_refits(study_);
         if (!study_.interrupted && !study_.answer())
             study_.tested_gap = compared(tested_model(), {}, study_.tested_campaign).overall.gap;
+        hold_out();
         if (study_.interrupted || !in_.site.settings.diagnosis_further) return;
         if (study_.verdict == Verdict::Unknown) try_forces();
         if (study_.verdict == Verdict::Group) try_instruments_on_group();
@@ -103,6 +110,13 @@ public:
             study_.before = compared(study_.baseline, {}, study_.campaign);
         }
         if (!study_.interrupted) stay_as_followed(again.result, {}, study_.baseline, study_.before, study_.campaign);
+    }
+
+    /// Every observable of blocks that the fold which predicts them was not fitted to: with the answers, and without.
+    void hold_out() {
+        if (!study_.interrupted && !study_.answers.empty()) study_.held_out = held_out_gaps(study_.baseline, {});
+        for (AnswerFit& a : study_.answers)
+            if (!study_.interrupted) a.held_out = held_out_gaps(a.model, a.effects);
     }
 
     /// What has no name: when, where and for which blocks it acts, as forces tell whose fingerprints are held against what the model leaves.
@@ -205,7 +219,7 @@ private:
             p.step.push_back(std::isfinite(step) ? std::clamp(step, kLeastStep, kMostStep) : kPlannedStep);
         }
         p.effects = catalogue.for_core();
-        p.blocks = in_.observed.observations.matched ? in_.observed.observations.blocks : std::vector<ObservedBlock>{};
+        p.blocks = known_blocks(in_.observed);
         return p;
     }
 
@@ -348,6 +362,51 @@ private:
         CompareStudy compared = make_study(site, in_.model, with_faults(in_.observed, acting), campaign);
         compared.repeats = in_.observed.observations.matched ? study_.search.final_repeats : 0;
         return compared;
+    }
+
+    /// Gaps of the observables, in their order, each block simulated at the parameters of the fold that left it out. Empty without folds, or where nobody knows
+    /// which record is of which block.
+    std::vector<Gap> held_out_gaps(const CalibratedModel& model, const std::vector<AnsweredEffect>& effects) {
+        const std::vector<CalibrationFold>& folds = model.result.folds;
+        if (folds.empty() || !in_.observed.observations.matched) return {};
+        const auto seed = static_cast<std::uint64_t>(in_.site.settings.seed);
+        const GapFunction gaps(in_.observed.observations, in_.observed.op);
+        ObservationTable all;
+        for (std::size_t f = 0; f < folds.size(); ++f) {
+            in_.progress("blocks held out", f, folds.size());
+            const std::vector<Effect> acting = dosed(effects, folds[f].point);
+            const CampaignResult campaign =
+                test_.run(test_.site_at(without_strengths(folds[f].point, strengths_of(effects))), seed,
+                          study_.search.final_repeats, acting, false, in_space(effects) ? 1.0 : 0.0);
+            study_.interrupted = campaign.interrupted;
+            if (campaign.interrupted) return {};
+            const ObservationTable table =
+                simulated_table(campaign, in_.observed.observations, with_faults(in_.observed, acting).op, seed);
+            add_rows(table, folds[f].held_out, gaps.measured(), all);
+        }
+        std::vector<Gap> of_each;
+        const DiscrepancySettings settings{in_.site.settings.observed.draws, seed, true};
+        for (const ObservableGap& gap :
+             compare_tables(gaps.measured(), all, gaps.observables(), column_scales(all), settings).observables)
+            of_each.push_back(gap.pooled);
+        return of_each;
+    }
+
+    /// Those of the blocks of these records.
+    static void add_rows(const ObservationTable& table, const std::vector<std::size_t>& records,
+                         const ObservationTable& measured, ObservationTable& all) {
+        if (all.columns.empty()) {
+            all.columns = table.columns;
+            all.values.resize(table.columns.size());
+        }
+        std::set<std::int32_t> chosen;
+        for (const std::size_t record : records)
+            if (record < measured.rows()) chosen.insert(measured.block[record]);  // others are counts
+        for (std::size_t row = 0; row < table.rows(); ++row) {
+            if (!chosen.contains(table.block[row])) continue;
+            all.block.push_back(table.block[row]);
+            for (std::size_t k = 0; k < table.columns.size(); ++k) all.values[k].push_back(table.values[k][row]);
+        }
     }
 
     /// A refit minimises a part of what is compared, and may end far from the rest. Where it began, at what was followed, all measurements had their part. One
@@ -526,6 +585,7 @@ static double spread_beside(const ObservedSite& observed) {
 
 static void set_test(const DiagnoseInput& input, DiagnoseStudy& study) {
     study.blocks = static_cast<std::size_t>(blocks_of(input.observed));
+    study.known_blocks = known_blocks(input.observed);
     study.screens = input.observed.op.screens;
     study.zones = input.observed.op.zones;
     study.impacts = input.observed.op.impacts;

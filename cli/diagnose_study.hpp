@@ -40,6 +40,7 @@ struct AnswerFit {
     CalibratedModel model;
     CompareStudy study;  ///< of the measured blocks
     CampaignResult campaign;
+    std::vector<Gap> held_out;  ///< of each observable of `study`, of blocks held out; empty without folds
     double loss_of_one =
         kInfinity;  ///< on blocks held out, of the better of its effects alone; of two that act together
 
@@ -66,15 +67,17 @@ struct DiagnoseStudy {
     std::vector<std::string> zones;       ///< deposit zones
     std::vector<std::int32_t> screen_of;  ///< of `screens`, of each screen of the site [-]
     std::vector<Finding> audit;
-    std::vector<std::string> inputs;  ///< a line each
-    std::size_t blocks = 0;           ///< measured [-]
-    bool planning = false;            ///< nothing was measured yet
+    std::vector<std::string> inputs;          ///< a line each
+    std::size_t blocks = 0;                   ///< measured [-]
+    std::vector<ObservedBlock> known_blocks;  ///< the blocks of the test, where it is known which is which
+    bool planning = false;                    ///< nothing was measured yet
     bool in_plane = false;
     double beside = kNaN;  ///< standard deviation of the measured stops to the sides of the axis [m]
 
     CalibratedModel baseline;
     CompareStudy before;  ///< the calibrated model
     CampaignResult campaign;
+    std::vector<Gap> held_out;  ///< of each observable of `before`, of blocks held out; empty without folds or answers
     Diagnosis diagnosis;
     CampaignResult tested_campaign;       ///< of the model at tested_point(), where there is no answer
     double tested_gap = kNaN;             ///< over all, of the same [-]

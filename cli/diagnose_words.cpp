@@ -2,12 +2,12 @@
 #include "cli/diagnose_words.hpp"
 
 #include "cli/diagnose_further.hpp"
+#include "cli/diagnose_units.hpp"
 #include "cli/text.hpp"
 #include "scree/inference/distance.hpp"
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 #include <numeric>
 #include <optional>
 
@@ -97,53 +97,6 @@ std::vector<std::size_t> by_size(const Eigen::VectorXd& values) {
         return std::abs(values[static_cast<Eigen::Index>(a)]) > std::abs(values[static_cast<Eigen::Index>(b)]);
     });
     return order;
-}
-
-/// A number of the measured blocks, the same of the simulated ones, and the standard error of the first.
-struct Pair {
-    const char* name;
-    double measured, simulated, error;
-    std::string unit;
-};
-
-double percent_within(const std::vector<double>& values, double from, double to) {
-    const auto inside = std::count_if(values.begin(), values.end(), [&](double v) { return v >= from && v < to; });
-    return 100.0 * static_cast<double>(inside) / static_cast<double>(values.size());
-}
-
-std::optional<Pair> pair_of(const Residual& r, const ComparedObservable& o) {
-    const auto share = [](double measured, double simulated, std::size_t of) {
-        return Pair{"", measured, simulated, std::sqrt(simulated * (100.0 - simulated) / static_cast<double>(of)),
-                    " %"};
-    };
-    if (r.kind == ResidualKind::Passed && o.measured_share.of > 0)
-        return share(100.0 * o.measured_share.share(), 100.0 * o.simulated_share.share(),
-                     static_cast<std::size_t>(o.measured_share.of));
-    if (o.measured.empty() || o.simulated.empty()) return std::nullopt;
-    if (r.kind == ResidualKind::Window)
-        return share(percent_within(o.measured, r.from, r.to), percent_within(o.simulated, r.from, r.to),
-                     o.measured.size());
-    const SampleSummary &m = o.measured_summary, &s = o.simulated_summary;
-    const double error = m.deviation / std::sqrt(static_cast<double>(o.measured.size()));
-    if (r.kind == ResidualKind::Level) return Pair{"mean ", m.mean, s.mean, error, " " + o.unit};
-    if (r.kind == ResidualKind::Spread)
-        return Pair{"standard deviation ", m.deviation, s.deviation, error / std::numbers::sqrt2, " " + o.unit};
-    return std::nullopt;
-}
-
-/// ": mean 9.8 m/s measured, 12.4 m/s simulated", where what was measured is an observable. Residuals count after the parameters have fitted the rest as well as they
-/// can: where that turns the sign round, or raises what is within one standard error, the calibrated model's own numbers would contradict the sentence.
-std::string in_units(const DiagnoseStudy& study, const Residual& r, bool more) {
-    for (const ComparedObservable& o : study.before.observables) {
-        if (o.gap.observable.columns.size() != 1 || o.gap.observable.columns.front() != r.column) continue;
-        const std::optional<Pair> p = pair_of(r, o);
-        if (!p) continue;
-        const double difference = more ? p->measured - p->simulated : p->simulated - p->measured;
-        if (!(difference > p->error)) return ", once the parameters fit the rest";
-        return std::string(": ") + p->name + short_number(p->measured) + p->unit + " measured, " +
-               short_number(p->simulated) + p->unit + " simulated";
-    }
-    return "";
 }
 
 std::string direction(const Residual& r, bool more) {

@@ -134,6 +134,8 @@ TEST(Diagnose, NamesAFaultOfTheMeasurementAndWritesAllOfIt) {
         if (o.at("name") != "speed at ES1-A") continue;
         told = true;
         EXPECT_LT(o.at("gap").get<double>(), o.at("gap_calibrated").get<double>()) << "before and after";
+        EXPECT_LT(o.at("held_out_gap").get<double>(), o.at("held_out_gap_calibrated").get<double>())
+            << "of blocks held out, too";
     }
     EXPECT_TRUE(told);
     EXPECT_LE(j.at("global_test").at("p").get<double>(), 0.05);

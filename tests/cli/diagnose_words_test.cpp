@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 
 #include <array>
+#include <cmath>
 #include <vector>
 
 namespace scree::cli {
@@ -116,6 +117,85 @@ TEST(DiagnoseWords, StopsInAStretchAreToldAsShares) {
     o.simulated = {5.0, 6.0, 19.9, 25.0, 30.0, 41.0, 42.0, 43.0, 44.0, 45.0};
     EXPECT_THAT(where_sentences(study).front(),
                 AllOf(HasSubstr("are more than simulated: 50 % measured, 10 % simulated (5.2")));
+}
+
+/// Six blocks, of 100 kg and each twice the one before, and what was measured and simulated of them.
+struct SixBlocks {
+    DiagnoseStudy study = unknown({0.9}, 0.3);
+    const Column first{Quantity::Speed, 0}, second{Quantity::Speed, 1};
+
+    SixBlocks() {
+        study.screens = {"ES1", "ES2"};
+        study.diagnosis.test.residual_p = Eigen::VectorXd::Constant(1, 0.001);
+        for (int k = 0; k < 6; ++k) {
+            ObservedBlock b;
+            b.mass = 100.0 * std::pow(2.0, k);
+            b.size = {std::pow(4.0, k % 2), 1.0, 1.0};
+            b.order = k;
+            study.known_blocks.push_back(b);
+        }
+        for (ObservationTable* table : {&study.before.measured, &study.before.simulated}) {
+            table->columns = {first, second};
+            table->block = {0, 1, 2, 3, 4, 5};
+        }
+        for (const Column& c : {first, second}) {
+            ComparedObservable& o = study.before.observables.emplace_back();
+            o.gap.observable.columns = {c};
+            o.unit = "m/s";
+        }
+    }
+    void set(std::vector<std::vector<double>> measured, std::vector<std::vector<double>> simulated) {
+        study.before.measured.values = std::move(measured);
+        study.before.simulated.values = std::move(simulated);
+    }
+    std::string sentence(const Residual& residual, double z) {
+        study.diagnosis.residuals = {residual};
+        study.diagnosis.score.standardised = Eigen::VectorXd::Constant(1, z);
+        return where_sentences(study).front();
+    }
+};
+
+TEST(DiagnoseWords, TrendsAreToldPerDoubling) {
+    SixBlocks test;
+    const std::vector<double> steady{8.0, 8.1, 8.0, 8.1, 8.0, 8.1}, fast(6, 9.0);
+    test.set({{10.0, 9.0, 8.0, 7.0, 6.0, 5.0}, fast}, {{8.0, 8.5, 9.0, 9.5, 10.0, 10.5}, fast});
+    EXPECT_THAT(
+        test.sentence({ResidualKind::MassTrend, test.first, {}}, -4.0),
+        StartsWith("speed at ES1 falls more with mass than simulated: per doubling of the mass -1 m/s measured, "
+                   "0.5 m/s simulated (4"));
+    EXPECT_THAT(test.sentence({ResidualKind::OrderTrend, test.first, {}}, -4.0),
+                StartsWith("speed at ES1 falls in the course of the test: per ten blocks -10 m/s measured, 5 m/s "
+                           "simulated (4"));
+    // the calibrated model's own numbers say the contrary
+    EXPECT_THAT(test.sentence({ResidualKind::MassTrend, test.first, {}}, 4.0),
+                StartsWith("speed at ES1 rises more with mass than simulated, once the parameters fit the rest (4"));
+    // every second block is four times as long
+    test.set({{8.0, 9.0, 8.0, 9.0, 8.0, 9.0}, fast}, {steady, fast});
+    EXPECT_THAT(test.sentence({ResidualKind::ShapeTrend, test.first, {}}, 4.0),
+                HasSubstr(": per doubling of L1/L3 0.5 m/s measured, 0.05 m/s simulated (4"));
+    // nobody knows which block is which
+    test.study.known_blocks.clear();
+    EXPECT_THAT(test.sentence({ResidualKind::ShapeTrend, test.first, {}}, 4.0),
+                StartsWith("speed at ES1 rises more with elongation than simulated (4"));
+}
+
+TEST(DiagnoseWords, WhatGoesTogetherIsToldAsCorrelation) {
+    SixBlocks test;
+    test.set({{1.0, 2.0, 3.0, 4.0, 5.0, 6.0}, {2.0, 4.0, 6.0, 8.0, 10.0, 12.0}},
+             {{1.0, 2.0, 3.0, 4.0, 5.0, 6.0}, {3.0, 1.0, 2.0, 3.0, 1.0, 2.0}});
+    EXPECT_THAT(test.sentence({ResidualKind::Together, test.first, test.second}, 4.0),
+                HasSubstr("go together more than simulated: correlation 1 measured, -0.239 simulated (4"));
+}
+
+TEST(DiagnoseWords, BlocksAreHeldAgainstThoseThatWereAsFastBefore) {
+    SixBlocks test;
+    const std::vector<double> before{1.0, 2.0, 3.0, 4.0, 5.0, 6.0};
+    test.set({before, {4.0, 5.2, 5.8, 7.0, 8.0, kNaN}}, {before, {2.0, 3.0, 4.0, 5.0, 6.0, 7.0}});
+    EXPECT_THAT(test.sentence({ResidualKind::Innovation, test.second, {Quantity::Passed, 0}}, 4.0),
+                Not(HasSubstr("measured")))
+        << "no such column";
+    EXPECT_THAT(test.sentence({ResidualKind::Innovation, test.second, test.first}, 4.0),
+                HasSubstr("is larger than simulated: mean 6 m/s measured, 4 m/s simulated (4"));
 }
 
 TEST(DiagnoseWords, ANameThatWasTakenBack) {
