@@ -191,7 +191,7 @@ TEST(DiagnoseWords, BlocksAreHeldAgainstThoseThatWereAsFastBefore) {
     SixBlocks test;
     const std::vector<double> before{1.0, 2.0, 3.0, 4.0, 5.0, 6.0};
     test.set({before, {4.0, 5.2, 5.8, 7.0, 8.0, kNaN}}, {before, {2.0, 3.0, 4.0, 5.0, 6.0, 7.0}});
-    EXPECT_THAT(test.sentence({ResidualKind::Innovation, test.second, {Quantity::Passed, 0}}, 4.0),
+    EXPECT_THAT(test.sentence({ResidualKind::Innovation, test.second, {Quantity::Height, 0}}, 4.0),
                 Not(HasSubstr("measured")))
         << "no such column";
     EXPECT_THAT(test.sentence({ResidualKind::Innovation, test.second, test.first}, 4.0),
