@@ -5,8 +5,8 @@
 Usage: diagnose_sites.py SCREE [--output DIR] [--only NAME ...] [--threads N] [--set KEY=VALUE ...]
 
 Names: authume_2d, authume_3d, tschamut. A diagnosis takes from ten minutes to a few hours of one core; one that is in DIR is not done again, one that
-was stopped goes on. Writes DIR/NAME/ (report.html, diagnosis.json) and prints the verdicts. The extended sites of Authume are frozen beside
-authume/programme.py. The five runs of Chant Sura are too few for a diagnosis: chant_sura/contacts.py. The data are found by SCREE_SHARED_DATA; without them: exit code 77.
+was stopped goes on. Writes DIR/NAME/ (report.html, diagnosis.json) and prints the verdicts. The extended sites of Authume are
+written to DIR as they would be frozen beside authume/programme.py; what is frozen there is not touched (README.md says which it is). The five runs of Chant Sura are too few for a diagnosis: chant_sura/contacts.py. The data are found by SCREE_SHARED_DATA; without them: exit code 77.
 """
 import argparse
 import json
@@ -48,7 +48,7 @@ def diagnose(args, name):
     if name.startswith("authume"):  # with the paths of the data as the other real sites have them
         text = (args.output / name / "site_extended.toml").read_text()
         text = re.sub(r"'[^']*/(data/authume_P1/[^']*)'", rf"'{PREFIX[3:]}\1'", text)
-        (HERE / "authume" / f"site_extended_{name[-2:]}.toml").write_text(text)
+        (args.output / f"site_extended_{name[-2:]}.toml").write_text(text)
 
 
 def main():
