@@ -2,6 +2,7 @@
 #include "cli/campaign_layers.hpp"
 #include "cli/commands.hpp"
 #include "cli/diagnose_consequences.hpp"
+#include "cli/diagnose_extended.hpp"
 #include "cli/diagnose_report.hpp"
 #include "cli/diagnose_where.hpp"
 #include "cli/progress.hpp"

@@ -5,6 +5,7 @@
 #include "cli/commands.hpp"
 #include "cli/compare_report.hpp"
 #include "cli/diagnose_consequences.hpp"
+#include "cli/diagnose_extended.hpp"
 #include "cli/diagnose_force.hpp"
 #include "cli/diagnose_further.hpp"
 #include "cli/diagnose_words.hpp"

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "cli/diagnose_words.hpp"
 
+#include "cli/diagnose_extended.hpp"
 #include "cli/diagnose_further.hpp"
 #include "cli/diagnose_units.hpp"
 #include "cli/text.hpp"

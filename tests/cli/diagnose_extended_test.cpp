@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The site file that a diagnosis writes: where it looks for what.
+#include "cli/diagnose_extended.hpp"
+
 #include "cli/diagnose_report.hpp"
 #include "cli/program.hpp"
 #include "cli/site_file.hpp"

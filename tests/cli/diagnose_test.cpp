@@ -129,6 +129,7 @@ TEST(Diagnose, NamesAFaultOfTheMeasurementAndWritesAllOfIt) {
         EXPECT_LT(o.at("gap").get<double>(), o.at("gap_calibrated").get<double>()) << "before and after";
         EXPECT_LT(o.at("held_out_gap").get<double>(), o.at("held_out_gap_calibrated").get<double>())
             << "of blocks held out, too";
+        EXPECT_NE(o.at("held_out_gap"), o.at("gap")) << "simulated by the folds, not by the fit to all";
     }
     EXPECT_TRUE(told);
     EXPECT_LE(j.at("global_test").at("p").get<double>(), 0.05);

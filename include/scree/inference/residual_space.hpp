@@ -32,8 +32,8 @@ enum class ResidualKind {
 
 struct Residual {
     ResidualKind kind = ResidualKind::Level;
-    Column column;       ///< what was measured
-    Column other;        ///< Together: the second one; Innovation: the speed at the screen before, or at the start of the impact
+    Column column;  ///< what was measured
+    Column other;   ///< Together: the second one; Innovation: the speed before, at a screen or the start of an impact
     double from = kNaN;  ///< Window: chainage [m]
     double to = kNaN;    ///< [m]
     bool operator==(const Residual&) const = default;
