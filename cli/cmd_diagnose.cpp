@@ -140,7 +140,9 @@ gis::ResultsPackage results_of(const DiagnoseStudy& study, const SiteModel& mode
     const bool judged = study.judged();
     const bool in_space = answer && answer->in_space();
     if (judged) {  // that of site_extended.toml, but for a third dimension, which has no profile
-        const CampaignResult& shown = !answer ? study.tested_campaign : in_space ? study.campaign : answer->campaign;
+        const CampaignResult& shown = answer && !in_space      ? answer->campaign
+                                      : !answer && study.moved ? study.moved->campaign
+                                                               : study.campaign;
         package.vectors = campaign_vectors(model, shown);
     }
     if (in_space && !model.campaign.screens.empty()) package.vectors.push_back(screens_in_space(study.site, model));

@@ -169,14 +169,16 @@ std::string diagnose_json(const DiagnoseStudy& study) {
     if (!study.planning && !study.baseline.result.parameters.empty()) {
         Json baseline;
         const std::vector<double>&calibrated = study.baseline.point.values, tested = study.tested_point().values;
+        const bool told = !study.answer();
         for (std::size_t k = 0; k < calibrated.size(); ++k) {
             const std::string& key = study.keys.problem.parameters[k].name;
             baseline["calibrated"][key] = calibrated[k];
             baseline["tested"][key] = tested[k];
+            if (told) baseline["told"][key] = study.told_point().values[k];
         }
         baseline["gap_fitted"] = study.baseline.result.best_fit.gap();
         baseline["gap_over_all"] = study.before.overall.gap;
-        if (std::isfinite(study.tested_gap)) baseline["gap_over_all_tested"] = study.tested_gap;
+        if (told) baseline["gap_over_all_told"] = study.told_gap();
         if (!study.baseline.result.folds.empty()) {
             baseline["held_out_loss"] = study.baseline.result.held_out.loss;
             baseline["held_out_gap"] = study.baseline.result.held_out.gap();

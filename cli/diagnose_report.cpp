@@ -114,7 +114,7 @@ std::string extended_toml(const DiagnoseStudy& study, std::size_t answer, const 
     for (const std::string& input : study.inputs) text << "# Input: " << input << "\n";
     text << "\n";
     const SiteFile site = answered ? extended_site(study, answer, fs::absolute(to) / "results.gpkg")
-                                   : with_changes(study.site, study.keys.changes(study.tested_point()));
+                                   : with_changes(study.site, study.keys.changes(study.told_point()));
     SiteSettings settings = site.settings;
     settings.output_directory = "out";
     text << settings_from(study.site, settings, to);

@@ -93,8 +93,7 @@ public:
                 if (!study_.interrupted) refit({f});
         }
         if (!study_.interrupted) judge_refits(study_);
-        if (!study_.interrupted && !study_.answer())
-            study_.tested_gap = compared(tested_model(), {}, study_.tested_campaign).overall.gap;
+        if (!study_.interrupted && !study_.answer()) tell_without();
         hold_out();
         if (study_.interrupted || !in_.site.settings.diagnosis_further) return;
         if (study_.verdict == Verdict::Unknown) try_forces();
@@ -110,6 +109,18 @@ public:
             study_.before = compared(study_.baseline, {}, study_.campaign);
         }
         if (!study_.interrupted) stay_as_followed(again.result, {}, study_.baseline, study_.before, study_.campaign);
+    }
+
+    /// Q of a test is what is left after a linear step of the parameters, so that a model whose Q is small may still be a step away from what it could be.
+    void tell_without() {
+        for (const CalibrationPoint& point : {study_.tested_point(), study_.asked_point()}) {
+            CalibratedModel model = study_.baseline;
+            model.point = model.result.best = point;
+            MovedModel moved{point, kNaN, {}};
+            moved.gap = compared(model, {}, moved.campaign).overall.gap;
+            if (study_.interrupted) return;
+            if (moved.gap < study_.told_gap()) study_.moved = std::move(moved);
+        }
     }
 
     /// Every observable of blocks that the fold which predicts them was not fitted to: with the answers, and without.
@@ -517,6 +528,14 @@ CalibrationPoint DiagnoseStudy::tested_point() const {
     CalibrationPoint point{baseline.point.values, tested_levels};
     for (std::size_t k = 0; k < diagnosis.parameters.size(); ++k)
         point.values[k] = from_unit(keys.problem.parameters[k], diagnosis.parameters[k]);
+    return point;
+}
+
+CalibrationPoint DiagnoseStudy::asked_point() const {
+    CalibrationPoint point = tested_point();
+    for (std::size_t k = 0; k < diagnosis.parameters.size(); ++k)
+        point.values[k] = from_unit(keys.problem.parameters[k],
+                                    diagnosis.parameters[k] + diagnosis.score.shift[static_cast<Eigen::Index>(k)]);
     return point;
 }
 

@@ -24,6 +24,13 @@ struct CalibratedModel {
         false;  ///< `point` is where the diagnosis followed it to, which its calibration left for what is worse as a whole
 };
 
+/// The model without effects at other parameters than calibrated.
+struct MovedModel {
+    CalibrationPoint point;
+    double gap = kNaN;  ///< over all [-]
+    CampaignResult campaign;
+};
+
 /// An effect of an answer.
 struct AnsweredEffect {
     const DiagnosisCandidate* candidate = nullptr;
@@ -79,12 +86,11 @@ struct DiagnoseStudy {
     CampaignResult campaign;
     std::vector<Gap> held_out;  ///< of each observable of `before`, of blocks held out; empty without folds or answers
     Diagnosis diagnosis;
-    CampaignResult tested_campaign;       ///< of the model at tested_point(), where there is no answer
-    double tested_gap = kNaN;             ///< over all, of the same [-]
-    Verdict verdict = Verdict::None;      ///< after the refits
-    std::vector<AnswerFit> answers;       ///< refitted, best first
-    DiagnosisCatalogue forces;            ///< without a name, tried where the verdict is UNKNOWN
-    Diagnosis by_force;                   ///< z of each of their ways and places (looked_at); empty: not tried
+    std::optional<MovedModel> moved;  ///< where no answer stands: what leaves less over all than the calibrated model
+    Verdict verdict = Verdict::None;  ///< after the refits
+    std::vector<AnswerFit> answers;   ///< refitted, best first
+    DiagnosisCatalogue forces;        ///< without a name, tried where the verdict is UNKNOWN
+    Diagnosis by_force;               ///< z of each of their ways and places (looked_at); empty: not tried
     std::vector<WithInstrument> further;  ///< of a plan or a group; of a group the first is the test as it was measured
     std::vector<std::size_t> tested_levels;  ///< choices (`keys`) of the model that was tested [-]
     std::string demoted;  ///< why the verdict is weaker than the diagnosis alone has it; empty: it is not
@@ -99,11 +105,16 @@ struct DiagnoseStudy {
     }
     /// Measurements were held against the model.
     bool judged() const { return !planning && !before.observables.empty(); }
-    /// Site files to write: one for each answer that stands, else that of the model that was tested; none where nothing was judged.
+    /// Site files to write: one for each answer that stands, else that of told_point(); none where nothing was judged.
     std::size_t site_files() const { return judged() ? std::max<std::size_t>(standing(), 1) : 0; }
     const DiagnosisCandidate& candidate_of(const EffectFinding& f) const { return catalogue.candidates[f.effect]; }
-    /// The parameters without effect that all measurements together ask for: the calibration minimises a part of them.
+    /// Parameters of the model without effect that was tested: all measurements together had it moved there, the calibration minimises a part of them.
     CalibrationPoint tested_point() const;
+    /// What its residuals ask for still: one linear step from there, within the ranges. It was not simulated by the diagnosis.
+    CalibrationPoint asked_point() const;
+    /// Of the calibrated parameters, the tested ones and those asked for still, the ones that leave the least over all: told where no answer stands.
+    const CalibrationPoint& told_point() const { return moved ? moved->point : baseline.point; }
+    double told_gap() const { return moved ? moved->gap : before.overall.gap; }
     DiagnosisVariant variant_of(const EffectFinding& f) const { return catalogue.variant(f.effect, f.variant, f.on); }
 };
 

@@ -256,14 +256,14 @@ static std::string transfer(const CampaignResult& campaign, const AnsweredEffect
            ": it may be carried to ground like this; beyond these masses and speeds it is a guess";
 }
 
-/// "soil.slope.restitution = 0.02 and not 0.31, ...": what the test has moved, visibly.
-static std::string tested_elsewhere(const DiagnoseStudy& study) {
-    const std::vector<double>&calibrated = study.baseline.point.values, tested = study.tested_point().values;
+/// "soil.slope.restitution = 0.02 and not 0.31, ...": what was moved, visibly.
+static std::string moved_parameters(const DiagnoseStudy& study) {
+    const std::vector<double>&calibrated = study.baseline.point.values, told = study.told_point().values;
     std::string text;
-    for (std::size_t k = 0; k < calibrated.size() && k < tested.size(); ++k) {
+    for (std::size_t k = 0; k < calibrated.size() && k < told.size(); ++k) {
         const CalibrationParameter& p = study.keys.problem.parameters[k];
-        if (std::abs(tested[k] - calibrated[k]) < kMoved * (p.high - p.low)) continue;
-        text += (text.empty() ? "" : ", ") + p.name + " = " + short_number(tested[k]) + " and not " +
+        if (std::abs(told[k] - calibrated[k]) < kMoved * (p.high - p.low)) continue;
+        text += (text.empty() ? "" : ", ") + p.name + " = " + short_number(told[k]) + " and not " +
                 short_number(calibrated[k]);
     }
     return text;
@@ -311,12 +311,12 @@ std::vector<std::string> diagnose_remarks(const DiagnoseStudy& study) {
                               "effect often drives it there");
     }
     if (!study.planning && (study.verdict == Verdict::None || study.verdict == Verdict::Unknown)) {
-        const std::string elsewhere = tested_elsewhere(study);
+        const std::string elsewhere = moved_parameters(study);
         if (!elsewhere.empty())
             remarks.push_back(
                 "the calibration minimises a part of what was measured; all of it together asks for " + elsewhere +
                 ": " + (study.verdict == Verdict::None ? "with that the model could have produced it, and " : "") +
-                "site_extended.toml and results.gpkg have that (gap over all " + gap_number(study.tested_gap) +
+                "site_extended.toml and results.gpkg have that (gap over all " + gap_number(study.told_gap()) +
                 "; of the calibrated model " + gap_number(study.before.overall.gap) + ")");
     }
     if (study.baseline.as_followed) remarks.push_back(as_followed_remark("the calibrated model"));

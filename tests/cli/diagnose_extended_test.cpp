@@ -82,6 +82,30 @@ TEST(DiagnoseExtended, EveryMemberOfAGroupHasAFile) {
     EXPECT_EQ(study.answer(), nullptr);
 }
 
+// Without an answer: calibrated values, unless others left less over all.
+TEST(DiagnoseExtended, WithoutAnAnswerItHasWhatLeavesLeast) {
+    const TempDir folder;
+    DiagnoseStudy study;
+    study.site = read_site_file(quarry_a() / "site.toml", {});
+    study.keys = read_free_keys(study.site, {"soil.compact waste.rolling=0.01:0.3:log"});
+    study.verdict = Verdict::Unknown;
+    study.before.observables.emplace_back();
+    study.before.overall.gap = 3.0;
+    study.baseline.point.values = {0.25};
+    study.diagnosis.parameters = {0.5};
+    study.diagnosis.score.shift = Eigen::VectorXd::Constant(1, 0.2);
+    EXPECT_NEAR(study.tested_point().values[0], 0.01 * std::pow(30.0, 0.5), 1e-12);
+    EXPECT_NEAR(study.asked_point().values[0], 0.01 * std::pow(30.0, 0.7), 1e-12) << "a step along ratios";
+    study.diagnosis.score.shift[0] = 0.9;
+    EXPECT_EQ(study.asked_point().values[0], 0.3) << "the end of the range";
+    EXPECT_THAT(extended_toml(study, 0, folder.path()), HasSubstr("rolling = 0.25\n"));
+    study.moved = MovedModel{study.asked_point(), 2.0, {}};
+    const std::string moved = extended_toml(study, 0, folder.path());
+    EXPECT_THAT(moved, HasSubstr("rolling = 0.3\n"));
+    EXPECT_THAT(moved, HasSubstr("rolling = 0.3 and not 0.25"));
+    EXPECT_THAT(moved, HasSubstr("gap over all 2.00; of the calibrated model 3.00"));
+}
+
 TEST(DiagnoseExtended, KeepsItsScreensIn3D) {
     const TempDir folder;
     const fs::path first = folder / "first", second = folder / "second";

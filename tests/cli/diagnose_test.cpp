@@ -177,6 +177,19 @@ TEST(Diagnose, GoesOnWhereItWasStoppedWhileEffectsWereFollowed) {
     EXPECT_THAT(differing_files(out, again), IsEmpty());
 }
 
+// What is told where no answer stands: nothing that leaves more over all than what was calibrated, and the site that leaves as much.
+void expect_the_nearest_is_told(const fs::path& out, const fs::path& observed) {
+    const json baseline = json::parse(text_of(out / "diagnosis.json")).at("baseline");
+    const double told = baseline.at("gap_over_all_told");
+    EXPECT_LE(told, baseline.at("gap_over_all"));
+    const fs::path again = out.string() + "_compared";
+    const Outcome compared =
+        scree_program({"compare", (out / "site_extended.toml").string(), "--observed", observed.string(), "--output",
+                       again.string(), "--set", "observed.repeats=5"});
+    ASSERT_EQ(compared.code, 0) << compared.err;
+    EXPECT_NEAR(json::parse(text_of(again / "compare.json")).at("overall").at("pooled").at("gap"), told, 1e-9);
+}
+
 TEST(Diagnose, WithoutTheRightNameItIsUnknownAndNoForce) {
     const TempDir folder;
     const fs::path observed = with_speeds(field_test(folder / "field", 16), folder / "obs", 1.35), out = folder / "out";
@@ -187,6 +200,7 @@ TEST(Diagnose, WithoutTheRightNameItIsUnknownAndNoForce) {
     EXPECT_THAT(run.out, HasSubstr("=> UNKNOWN"));
     EXPECT_THAT(run.out, HasSubstr("no force along the motion explains it"));
     EXPECT_THAT(text_of(out / "site_extended.toml"), Not(HasSubstr("[[effect]]")));
+    expect_the_nearest_is_told(out, observed);
 }
 
 TEST(Diagnose, AForceSaysWhatAnEffectWithoutANameDoes) {
@@ -198,6 +212,7 @@ TEST(Diagnose, AForceSaysWhatAnEffectWithoutANameDoes) {
     ASSERT_EQ(run.code, 0) << run.err;
     EXPECT_THAT(run.out, HasSubstr("=> UNKNOWN"));
     EXPECT_THAT(run.out, HasSubstr("held back more than in the model while they touch the ground"));
+    expect_the_nearest_is_told(out, folder / "field");
     EXPECT_THAT(run.out, Not(HasSubstr("no force along the motion explains it")));
 
     // the verdict alone, and less to wait for
