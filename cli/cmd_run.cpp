@@ -40,15 +40,15 @@ double quantile(std::vector<double>& sorted, double q) {
 }
 
 void print_profiles(std::ostream& out, const SiteModel& model, const CampaignResult& r) {
-    constexpr std::size_t kMostPrinted = 20;
+    constexpr std::size_t kMostProfiles = 20;
     const std::vector<std::string> lines = profile_summaries(model, r);
-    for (std::size_t k = 0; k < std::min(lines.size(), kMostPrinted); ++k) {
+    for (std::size_t k = 0; k < std::min(lines.size(), kMostProfiles); ++k) {
         std::string head = "profile " + std::to_string(k + 1);
         head.resize(std::max<std::size_t>(head.size() + 1, 15), ' ');
         out << head << lines[k] << "\n";
     }
-    if (lines.size() > kMostPrinted)
-        out << "               ... " << lines.size() - kMostPrinted << " more are in the layer profiles\n";
+    if (lines.size() > kMostProfiles)
+        out << "               ... " << lines.size() - kMostProfiles << " more are in the layer profiles\n";
 }
 
 void print_summary(std::ostream& out, const SiteModel& model, const CampaignResult& r, const fs::path& folder) {

@@ -18,8 +18,6 @@ namespace {
 
 /// Steps of derivatives in shares of a parameter's range: about its uncertainty, within these [-].
 constexpr double kLeastStep = 0.03, kMostStep = 0.15, kPlannedStep = 0.08;
-/// 97.5 % quantile of the normal distribution [-].
-constexpr double kNinetyFive = 1.959964;
 /// Small differences between a few effects need so many times the simulations [-].
 constexpr std::int64_t kGroupRepeats = 4;
 /// A gap over all so many times the largest of 95 % of chance is far beyond it [-].

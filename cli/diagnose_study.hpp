@@ -14,6 +14,9 @@
 
 namespace scree::cli {
 
+/// 97.5 % quantile of the normal distribution [-].
+inline constexpr double kNinetyFive = 1.959964;
+
 /// A model that was calibrated, with or without effects: their strengths are the last parameters.
 struct CalibratedModel {
     CalibrationPoint point;         ///< of the free keys

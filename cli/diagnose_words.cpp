@@ -24,8 +24,6 @@ constexpr double kInRange = 0.03;      // estimates nearer to an end of their ra
 
 /// Less is the way blocks roll, not a third dimension [m].
 constexpr double kWorthTelling = 0.5;
-/// 97.5 % quantile of the normal distribution [-].
-constexpr double kNinetyFive = 1.959964;
 
 /// To a decimetre.
 std::string metres_along(double chainage) {
@@ -146,7 +144,7 @@ std::string label_of_one(const std::vector<AnswerFit>& answers) {
     return label.empty() ? "" : ", " + label;
 }
 
-std::string names_of(const std::vector<AnswerFit>& answers) {
+std::string answer_names(const std::vector<AnswerFit>& answers) {
     std::string text;
     for (std::size_t k = 0; k < answers.size(); ++k)
         text += (k == 0 ? "" : k + 1 == answers.size() ? " or " : ", ") + answers[k].name();
@@ -199,12 +197,12 @@ std::string verdict_sentence(const DiagnoseStudy& study) {
         case Verdict::Named:
             return "NAMED: " + described(study.answers.front());
         case Verdict::Group:
-            return "GROUP: " + names_of(study.answers) + "; these measurements cannot tell them apart";
+            return "GROUP: " + answer_names(study.answers) + "; these measurements cannot tell them apart";
         case Verdict::Unknown:
             return unknown_sentence(study);
         case Verdict::DataProblem:
             if (study.answers.empty()) return "DATA PROBLEM: the measurements cannot be used as they are";
-            return "DATA PROBLEM: " + names_of(study.answers) + label_of_one(study.answers) +
+            return "DATA PROBLEM: " + answer_names(study.answers) + label_of_one(study.answers) +
                    "; check how it was measured before anything else";
     }
     return "";

@@ -13,7 +13,7 @@ namespace scree::gis {
 
 namespace {
 
-constexpr double kRoundOff = 1e-9;  // [cells]
+constexpr double kOnNode = 1e-9;  // [cells]
 // Share of the tolerance that a line may take. A node may lie very near a line: what the line is off there becomes a wall between them.
 constexpr double kLineShare = 0.1;  // [-]
 
@@ -198,8 +198,8 @@ void TinBuilder::for_each_node(const ConstrainedDelaunay::Face& face, const Use&
             from = std::min({from, u, s.y() == e.y() ? e.x() : u});
             to = std::max({to, u, s.y() == e.y() ? e.x() : u});
         }
-        const auto last = static_cast<std::int32_t>(std::floor(to + kRoundOff));
-        for (auto i = static_cast<std::int32_t>(std::ceil(from - kRoundOff)); i <= last; ++i) {
+        const auto last = static_cast<std::int32_t>(std::floor(to + kOnNode));
+        for (auto i = static_cast<std::int32_t>(std::ceil(from - kOnNode)); i <= last; ++i) {
             use(Node{i, j}, lattice_.node(i, j) - (z[0] + slope_u * (i - p[0].x()) + slope_v * (j - p[0].y())));
         }
     }

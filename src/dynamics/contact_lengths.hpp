@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-// Lengths and angles by which contacts are found, the same in 3D and in the plane.
+// Lengths, angles and times by which contacts are found, the same in 3D and in the plane.
 
 namespace scree {
 
@@ -18,6 +18,10 @@ inline constexpr double kSamePlane = 1e-12;
 inline constexpr double kConeSlack = 2e-3;
 /// What is passed by nearer than this is not waited for in flight [m], and than this share of the inner radius: a small block could pass through it [-].
 inline constexpr double kPassedBy = 5e-3, kPassedByShare = 0.2;
+/// Longest flight between two looks at the terrain [s].
+inline constexpr double kLongestFlight = 0.25;
+/// Where terrain has holes or ends, share of the radius that is flown at most between two looks [-].
+inline constexpr double kRimShare = 0.25;
 /// Share of a distance that counts as room to move in: leaves rounding behind [-].
 inline constexpr double kOdometerShare = 1.0 - 1e-9;
 

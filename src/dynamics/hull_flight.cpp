@@ -12,8 +12,6 @@ namespace scree {
 
 namespace {
 
-/// Longest flight between two looks at the terrain [s].
-constexpr double kLongestFlight = 0.25;
 /// Farthest and nearest that the plane ahead is laid [s].
 constexpr double kFarHorizon = 0.5, kNearHorizon = 0.02;
 /// A flight time over the plane that is shorter than this makes it worth looking at the features [s].
@@ -23,8 +21,6 @@ constexpr double kNearTime = 2e-3;
 constexpr double kLongestLook = 0.02, kShortestLook = 2e-3, kLookShare = 0.7;
 /// A block in flight has the terrain of so much time copied out at once [s], two radii at most.
 constexpr double kPatchTime = 0.1;
-/// Where terrain has holes or ends, share of the radius that is flown at most between two looks [-].
-constexpr double kRimShare = 0.25;
 /// Euler's equations with |I_i - I_j| <= I_k give |dOmega/dt| <= |Omega|^2 / sqrt(3) and |d^2 Omega/dt^2| <= |Omega|^3, both in the body frame. The
 /// acceleration of a point of a freely turning body is then at most (1 + 1/sqrt 3) |Omega|^2 r and changes at most at the rate
 /// (2 + 4/sqrt 3) |Omega|^3 r [-].

@@ -11,12 +11,8 @@ namespace scree {
 
 namespace {
 
-/// Longest flight between two looks at the ground [s].
-constexpr double kLongestFlight = 0.25;
 /// How far ahead the line is laid, and how much of it must be left to use it again [s].
 constexpr double kHorizon = 0.12, kLeastHorizon = 0.08;
-/// Where the ground ends, share of the radius that is flown at most between two looks [-].
-constexpr double kRimShare = 0.25;
 
 /// The vector turned by a right angle, from x to z.
 Vec2 perpendicular(const Vec2& a) {

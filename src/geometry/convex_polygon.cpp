@@ -15,10 +15,6 @@ namespace {
 /// A corner nearer than this to the line through its neighbours, as a share of the polygon's extent, is rounding: dropped [-].
 constexpr double kStraight = 1e-12;
 
-double cross(const Vec2& a, const Vec2& b) {
-    return a.x() * b.y() - a.y() * b.x();
-}
-
 double extent_of(const std::vector<Vec2>& points) {
     Box2 box;
     for (const Vec2& p : points) box.add(p);
@@ -42,14 +38,14 @@ void add_chain(Iterator first, Iterator last, double tolerance, std::vector<Vec2
 
 /// Size of a uniform cloud in the disc whose hull has on average `corners` corners: the asymptotic 3.3832 n^(1/3) (Renyi & Sulanke 1963) with a
 /// correction fitted to means of 3000 hulls each (tests/unit/convex_polygon_test.cpp).
-int cloud_size(int corners) {
+int disc_cloud_size(int corners) {
     const double v = corners;
     return std::max(3, static_cast<int>(std::lround(std::pow(v / 3.3832, 3) + 0.55 * v + 1.0)));
 }
 
-std::vector<Vec2> random_cloud(int corners, RandomStream& random) {
+std::vector<Vec2> disc_cloud(int corners, RandomStream& random) {
     std::vector<Vec2> points;
-    const auto count = static_cast<std::size_t>(cloud_size(corners));
+    const auto count = static_cast<std::size_t>(disc_cloud_size(corners));
     points.reserve(count);
     while (points.size() < count) {
         const double x = random.uniform(-1, 1), z = random.uniform(-1, 1);
@@ -58,14 +54,14 @@ std::vector<Vec2> random_cloud(int corners, RandomStream& random) {
     return points;
 }
 
-std::vector<Vec2> shape_points(const ShapeSettings& settings, RandomStream& random) {
+std::vector<Vec2> outline_points(const ShapeSettings& settings, RandomStream& random) {
     switch (settings.shape) {
         case BlockShape::Hull:
-            return random_cloud(settings.polygon_points, random);
+            return disc_cloud(settings.polygon_points, random);
         case BlockShape::Sharp:
-            return random_cloud(kSharpPoints, random);
+            return disc_cloud(kSharpPoints, random);
         case BlockShape::Round:
-            return random_cloud(kRoundPoints, random);
+            return disc_cloud(kRoundPoints, random);
         case BlockShape::Box:
             return {{-1, -1}, {1, -1}, {1, 1}, {-1, 1}};
         case BlockShape::Eota: {
@@ -192,7 +188,7 @@ ConvexPolygon make_polygon(const ShapeSettings& settings, const Vec3& size, doub
         throw InputError("a block of " + std::to_string(mass) + " kg and " + std::to_string(size.x()) + " x " +
                          std::to_string(size.y()) + " x " + std::to_string(size.z()) +
                          " m is impossible: mass and all three lengths must be positive");
-    std::vector<Vec2> points = shape_points(settings, random);
+    std::vector<Vec2> points = outline_points(settings, random);
     fill_rectangle(points, size.head<2>());
     ConvexPolygon polygon = polygon_from_outline(convex_outline(std::move(points)), mass);
     polygon.size = size;

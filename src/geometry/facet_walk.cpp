@@ -10,10 +10,6 @@ namespace scree {
 
 namespace {
 
-double cross(const Vec2& a, const Vec2& b) {
-    return a.x() * b.y() - a.y() * b.x();
-}
-
 bool same_node(const Vec3& a, const Vec3& b) {
     return a.x() == b.x() && a.y() == b.y();
 }

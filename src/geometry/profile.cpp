@@ -12,10 +12,6 @@ namespace scree {
 
 namespace {
 
-double cross(const Vec2& a, const Vec2& b) {
-    return a.x() * b.y() - a.y() * b.x();
-}
-
 /// Is p on the left of the line from a to b, or on it?
 bool on_left(const Vec2& a, const Vec2& b, const Vec2& p) {
     return cross(b - a, p - a) >= 0.0;

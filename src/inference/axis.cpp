@@ -9,14 +9,6 @@
 
 namespace scree {
 
-namespace {
-
-double cross(const Vec2& a, const Vec2& b) {
-    return a.x() * b.y() - a.y() * b.x();
-}
-
-}  // namespace
-
 Axis::Axis(const Vec2& origin, double azimuth)
     : Axis(std::vector<Vec2>{origin, origin + Vec2(std::sin(azimuth), std::cos(azimuth))}) {}
 

@@ -23,7 +23,7 @@ constexpr std::array kStages{0.2, 0.2, 0.25, 0.35};
 /// Variance that the noise of a trial has at least: of the measured mean, which has as many rows [-].
 constexpr double kLeastNoise = 0.25;
 /// What the best trial must leave less for all to be seen from there, of Q [-].
-constexpr double kNews = 8.0;
+constexpr double kWorthSeeing = 8.0;
 /// What it may leave for that, per residual [-].
 constexpr double kNearEnough = 3.0;
 
@@ -173,7 +173,7 @@ bool Diagnoser::look_from_best(std::vector<WideSearch>& ways, View& view) {
     View from(
         ResidualSpace(std::move(*table), measured_, problem_.blocks, settings_.residuals, base_.space->residuals()),
         measured_);
-    if (!comparable(from.observed, base_.observed) || !(from.left < view.left - kNews) ||
+    if (!comparable(from.observed, base_.observed) || !(from.left < view.left - kWorthSeeing) ||
         from.left > kNearEnough * static_cast<double>(from.observed.mean.size()))
         return true;
     view = std::move(from);

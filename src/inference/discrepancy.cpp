@@ -125,8 +125,8 @@ private:
             gap.status =
                 observable.matched ? "no known block has both measured and simulated values" : "nothing was measured";
         else if (gap.simulated < kLeastRepeats)
-            gap.status = std::to_string(gap.simulated) +
-                         " simulated blocks have it: throw more, if the model lets any get there";
+            gap.status = std::to_string(gap.simulated)
+                             .append(" simulated blocks have it: throw more, if the model lets any get there");
         else
             part.statistic = make_gap_statistic(observable, sample);
         if (part.statistic) fill(gap, *part.statistic, index);

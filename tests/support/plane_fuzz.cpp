@@ -19,24 +19,25 @@ namespace {
 /// How many block lengths the ground is long [-].
 constexpr double kLengths = 40.0;
 
-enum class Land { Rough, Benches, Gully, Spikes, Noise };
-constexpr std::array<const char*, 5> kLandNames{"rough", "benches", "gully", "spikes", "noise"};
+enum class Ground { Rough, Benches, Gully, Spikes, Noise };
+constexpr std::array<const char*, 5> kGroundNames{"rough", "benches", "gully", "spikes", "noise"};
 
-std::vector<Vec2> land(RandomStream& random, Land kind, double length, double cell, double slope, double narrowest) {
+std::vector<Vec2> land(RandomStream& random, Ground kind, double length, double cell, double slope, double narrowest) {
     const bool even = random.uniform() < 0.3;
-    const double noise = kind == Land::Noise ? cell * random.uniform(0.2, 1.0) : cell * between_logs(random, 1e-3, 0.3);
+    const double noise =
+        kind == Ground::Noise ? cell * random.uniform(0.2, 1.0) : cell * between_logs(random, 1e-3, 0.3);
     const double side = random.uniform(0.2, 2.0), bench = cell * random.uniform(2.0, 6.0);
     const double cliff = std::tan(random.uniform(85.0, 89.9) * kDegree);
     std::vector<Vec2> corners;
     double s = 0.0, fallen = 0.0;
     while (s < length) {
         double z = -std::tan(slope) * s + noise * random.uniform(-1.0, 1.0);
-        if (kind == Land::Gully) z += side * std::abs(s - 0.5 * length);
-        if (kind == Land::Spikes && random.uniform() < 0.2) z += cell * random.uniform(0.0, 5.0);
+        if (kind == Ground::Gully) z += side * std::abs(s - 0.5 * length);
+        if (kind == Ground::Spikes && random.uniform() < 0.2) z += cell * random.uniform(0.0, 5.0);
         corners.emplace_back(s, z - fallen);
         s += std::max(even ? cell : cell * between_logs(random, 0.01, 2.0),
-                      kind == Land::Spikes || kind == Land::Noise ? narrowest : 0.0);
-        if (kind == Land::Benches && std::floor(s / bench) > std::floor(corners.back().x() / bench)) {
+                      kind == Ground::Spikes || kind == Ground::Noise ? narrowest : 0.0);
+        if (kind == Ground::Benches && std::floor(s / bench) > std::floor(corners.back().x() / bench)) {
             const double drop = random.uniform(0.2, 3.0) * bench * (random.uniform() < 0.2 ? -0.3 : 1.0);
             const Vec2 edge(s, -std::tan(slope) * s - fallen);
             corners.push_back(edge);
@@ -73,7 +74,7 @@ ConvexPolygon polygon(RandomStream& random, double largest, std::string& what) {
 
 PlaneFuzzScene plane_fuzz_scene(std::uint64_t number) {
     RandomStream random(78, number, RandomPurpose::Effect);
-    const auto kind = static_cast<Land>(random.below(kLandNames.size()));
+    const auto kind = static_cast<Ground>(random.below(kGroundNames.size()));
     const double largest = between_logs(random, 0.01, 10.0), cell = largest * between_logs(random, 0.1, 10.0);
     const double slope =
         random.uniform() < 0.2 ? 85.0 * kDegree * random.uniform() : random.uniform(-10.0, 50.0) * kDegree;
@@ -96,8 +97,8 @@ PlaneFuzzScene plane_fuzz_scene(std::uint64_t number) {
     s.spin[0] = std::min(60.0, 0.2 + speed) * random.uniform(-1.0, 1.0) / block.radius;
     std::ostringstream what;
     what << "scene " << number << ": " << shape << " of " << largest << " m on "
-         << kLandNames[static_cast<std::size_t>(kind)] << ", reaches about " << cell << " m, slope " << slope / kDegree
-         << " deg, " << speed << " m/s";
+         << kGroundNames[static_cast<std::size_t>(kind)] << ", reaches about " << cell << " m, slope "
+         << slope / kDegree << " deg, " << speed << " m/s";
     scene.what = what.str();
     return scene;
 }

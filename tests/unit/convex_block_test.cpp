@@ -2,6 +2,7 @@
 #include "scree/geometry/convex_block.hpp"
 
 #include "scree/base/error.hpp"
+#include "support/rounding.hpp"
 #include "support/scenes.hpp"
 
 #include <gtest/gtest.h>
@@ -13,7 +14,6 @@ namespace scree::test {
 
 namespace {
 
-constexpr double kRounding = 1e-12;
 const Vec3 kSize(0.9, 0.7, 0.55);
 
 ConvexBlock shaped(BlockShape shape, std::uint64_t number, int points = 50) {

@@ -3,6 +3,7 @@
 
 #include "scree/base/error.hpp"
 #include "support/plane_scenes.hpp"
+#include "support/rounding.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -14,16 +15,15 @@ namespace scree::test {
 
 namespace {
 
-constexpr double kRounding = 1e-12;
-const Vec3 kSize(0.9, 0.7, 0.55);
+const Vec3 kRectangle(0.9, 0.7, 0.55);
 
-ConvexPolygon shaped(BlockShape shape, std::uint64_t number, int points = 20) {
+ConvexPolygon polygon_of(BlockShape shape, std::uint64_t number, int points = 20) {
     RandomStream random(43, number, RandomPurpose::Shape);
     ShapeSettings settings;
     settings.shape = shape;
     settings.polygon_points = points;
     if (shape == BlockShape::File) settings.file_points = {{0, 0, 0}, {2, 0, 5}, {0, 3, 0}, {1, 1, 9}};
-    return make_polygon(settings, kSize, 500.0, random);
+    return make_polygon(settings, kRectangle, 500.0, random);
 }
 
 }  // namespace
@@ -64,10 +64,10 @@ TEST(ConvexOutline, RefusesWhatIsNoArea) {
 TEST(ConvexPolygon, FillsItsBoxAndStandsOnItsCentreOfMass) {
     for (const BlockShape shape : {BlockShape::Hull, BlockShape::Sharp, BlockShape::Round, BlockShape::Box,
                                    BlockShape::Eota, BlockShape::Ellipsoid, BlockShape::File}) {
-        const ConvexPolygon p = shaped(shape, 3);
+        const ConvexPolygon p = polygon_of(shape, 3);
         SCOPED_TRACE(kBlockShapeNames[static_cast<std::size_t>(shape)]);
-        EXPECT_NEAR(p.x.maxCoeff() - p.x.minCoeff(), kSize.x(), kRounding);
-        EXPECT_NEAR(p.z.maxCoeff() - p.z.minCoeff(), kSize.y(), kRounding);
+        EXPECT_NEAR(p.x.maxCoeff() - p.x.minCoeff(), kRectangle.x(), kRounding);
+        EXPECT_NEAR(p.z.maxCoeff() - p.z.minCoeff(), kRectangle.y(), kRounding);
         std::vector<Vec2> corners;
         for (Eigen::Index i = 0; i < p.vertex_count(); ++i) {
             corners.push_back(p.vertex(i));
@@ -80,26 +80,26 @@ TEST(ConvexPolygon, FillsItsBoxAndStandsOnItsCentreOfMass) {
         const AreaProperties properties = area_properties(corners);
         EXPECT_NEAR(properties.centre.norm(), 0.0, kRounding);
         EXPECT_NEAR(p.inertia / p.mass, properties.moment / properties.area, kRounding);
-        EXPECT_EQ(p.size, kSize);
+        EXPECT_EQ(p.size, kRectangle);
         EXPECT_EQ(p.mass, 500.0);
     }
 }
 
 // The prism of a polygon with the same mass: its moment about the axis across is that of the polygon.
 TEST(ConvexPolygon, HasTheMomentOfAPrism) {
-    const ConvexPolygon box = shaped(BlockShape::Box, 1);
-    EXPECT_NEAR(box.inertia, 500.0 / 12.0 * (kSize.x() * kSize.x() + kSize.y() * kSize.y()), 1e-10);
-    EXPECT_EQ(shaped(BlockShape::Eota, 1).vertex_count(), 8);
+    const ConvexPolygon box = polygon_of(BlockShape::Box, 1);
+    EXPECT_NEAR(box.inertia, 500.0 / 12.0 * (kRectangle.x() * kRectangle.x() + kRectangle.y() * kRectangle.y()), 1e-10);
+    EXPECT_EQ(polygon_of(BlockShape::Eota, 1).vertex_count(), 8);
     const double disc =
-        shaped(BlockShape::Ellipsoid, 1, 100).inertia;  // of an ellipse: m (a^2 + b^2) / 4 of the half axes
-    EXPECT_NEAR(disc / (500.0 / 16.0 * (kSize.x() * kSize.x() + kSize.y() * kSize.y())), 1.0, 2e-3);
+        polygon_of(BlockShape::Ellipsoid, 1, 100).inertia;  // of an ellipse: m (a^2 + b^2) / 4 of the half axes
+    EXPECT_NEAR(disc / (500.0 / 16.0 * (kRectangle.x() * kRectangle.x() + kRectangle.y() * kRectangle.y())), 1.0, 2e-3);
 }
 
 // 400 polygons each; their numbers of corners scatter by less than 2, the mean by less than 0.1: four of these are allowed.
 TEST(ConvexPolygon, HasTheAskedNumberOfCornersInTheMean) {
     const auto mean = [](BlockShape shape, int points) {
         double sum = 0.0;
-        for (std::uint64_t k = 0; k < 400; ++k) sum += static_cast<double>(shaped(shape, k, points).vertex_count());
+        for (std::uint64_t k = 0; k < 400; ++k) sum += static_cast<double>(polygon_of(shape, k, points).vertex_count());
         return sum / 400.0;
     };
     EXPECT_NEAR(mean(BlockShape::Hull, 6), 6.0, 0.4);
@@ -109,8 +109,8 @@ TEST(ConvexPolygon, HasTheAskedNumberOfCornersInTheMean) {
 }
 
 TEST(ConvexPolygon, SameStreamSamePolygonOthersDiffer) {
-    const ConvexPolygon a = shaped(BlockShape::Hull, 5), b = shaped(BlockShape::Hull, 5),
-                        c = shaped(BlockShape::Hull, 6);
+    const ConvexPolygon a = polygon_of(BlockShape::Hull, 5), b = polygon_of(BlockShape::Hull, 5),
+                        c = polygon_of(BlockShape::Hull, 6);
     ASSERT_EQ(a.vertex_count(), b.vertex_count());
     EXPECT_TRUE((a.x == b.x).all() && (a.z == b.z).all());
     EXPECT_FALSE(a.vertex_count() == c.vertex_count() && (a.x == c.x).all());

@@ -4,6 +4,7 @@
 #include "scree/base/random.hpp"
 #include "scree/base/units.hpp"
 #include "scree/dynamics/trajectory.hpp"
+#include "support/rounding.hpp"
 #include "support/scenes.hpp"
 #include "support/terrains.hpp"
 
@@ -17,7 +18,6 @@ namespace scree::test {
 
 namespace {
 
-constexpr double kRounding = 1e-12;  ///< [m]
 constexpr double kConeSlack = 6e-3;  ///< 2e-3 along the way to a corner of the facet, more across the crest [rad]
 
 /// An octahedron with its lowest vertex at (0, 0, -0.3).

@@ -6,6 +6,7 @@
 #include "scree/base/random.hpp"
 #include "scree/dynamics/trajectory.hpp"
 #include "support/plane_scenes.hpp"
+#include "support/rounding.hpp"
 #include "support/scenes.hpp"
 
 #include <gtest/gtest.h>
@@ -17,8 +18,6 @@
 namespace scree::test {
 
 namespace {
-
-constexpr double kRounding = 1e-12;  ///< [m]
 
 /// A rhombus with its lowest corner at (0, -0.3).
 ConvexPolygon diamond() {

@@ -2,6 +2,7 @@
 #include "scree/geometry/profile.hpp"
 
 #include "scree/base/error.hpp"
+#include "support/rounding.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -14,8 +15,6 @@ namespace {
 using testing::DoubleNear;
 using testing::ElementsAre;
 using testing::HasSubstr;
-
-constexpr double kRounding = 1e-12;
 
 /// 5 m to the north-east (3, 4) falling by 2 m, then 10 m to the east falling by 1 m, then 5 m to the south, level.
 Profile bent() {

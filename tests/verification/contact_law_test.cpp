@@ -3,6 +3,7 @@
 #include "dynamics/contact_step.hpp"
 
 #include "support/motion.hpp"
+#include "support/rounding.hpp"
 #include "support/scenes.hpp"
 #include "support/terrains.hpp"
 
@@ -14,8 +15,6 @@
 namespace scree::test {
 
 namespace {
-
-constexpr double kRounding = 1e-12;
 
 /// What the law asks of one solved problem. `before` and `after` are local velocities, e = 0.
 struct LawCheck {

@@ -20,6 +20,11 @@ using Quat = Eigen::Quaterniond;
 using SoilId = std::uint8_t;
 inline constexpr int kMaxSoils = 250;
 
+/// Twice the area of the triangle 0, a, b: positive if b is on the left of a.
+inline double cross(const Vec2& a, const Vec2& b) {
+    return a.x() * b.y() - a.y() * b.x();
+}
+
 inline constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 inline constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
