@@ -252,10 +252,10 @@ TEST(Diagnose, FindsNothingInATestOfTheModelItself) {
 
 TEST(Diagnose, WhatAProfileLeavesOutHasAName) {
     const TempDir folder;
-    const fs::path out = folder / "out", field = field_test(folder / "field", 24, 3);
+    const fs::path out = folder / "out", field = field_test(folder / "field", 14, 3);
     const Outcome run = diagnose(
-        out, {"--observed", field.string(), "--set", "diagnosis.reference_repeats=40", "--set", "diagnosis.repeats=16",
-              "--set", "diagnosis.rounds=3", "--set", nothing_but({"third_dimension", "ground_drag", "speed_error"})});
+        out, {"--observed", field.string(), "--set", "diagnosis.reference_repeats=30", "--set", "diagnosis.repeats=12",
+              "--set", "diagnosis.rounds=2", "--set", nothing_but({"third_dimension", "ground_drag", "speed_error"})});
     ASSERT_EQ(run.code, 0) << run.err;
     EXPECT_THAT(run.out, HasSubstr("=> NAMED: third_dimension"));
     EXPECT_THAT(run.out, HasSubstr("the blocks move in 3D"));

@@ -20,7 +20,7 @@ TEST(Diagnosis, DISABLED_StatisticsOfNames) {
         for (std::uint64_t k = first; k < first + tests; ++k) {
             std::vector<EffectDose> doses;
             if (hidden < kEffects) doses.push_back({hidden, 0, strength});
-            const Diagnosis d = diagnosis_of(blocks, problem, measured(blocks, k, doses), k);
+            const Diagnosis d = diagnosis_of(blocks, problem, measured(blocks, k, doses), quick(k));
             if (d.verdict == Verdict::None) continue;
             ++rejected;
             const EffectFinding& f = d.findings.front();
@@ -55,7 +55,7 @@ TEST(Diagnosis, DISABLED_StatisticsOfPlaces) {
         for (std::uint64_t k = 0; k < 30; ++k) {
             const double strength = std::min(28.0 / hidden.length(), 12.0);
             const ObservationTable table = measured(blocks, 5000 + k, {{kHeldBack, 0, strength, hidden}});
-            const Diagnosis d = diagnosis_of(blocks, problem, table, k);
+            const Diagnosis d = diagnosis_of(blocks, problem, table, quick(k));
             if (d.verdict == Verdict::None) continue;
             ++rejected;
             const EffectFinding& f = d.findings.front();
@@ -79,7 +79,7 @@ TEST(Diagnosis, DISABLED_StatisticsOfPairs) {
     int rejected = 0, both = 0, one = 0, wrong = 0;
     for (std::uint64_t k = 0; k < 40; ++k) {
         const ObservationTable table = measured(blocks, 6000 + k, {{kMassTrend, 0, 4.0}, {kSpeedBias, 0, 3.0}});
-        const Diagnosis d = diagnosis_of(blocks, problem, table, k);
+        const Diagnosis d = diagnosis_of(blocks, problem, table, quick(k));
         rejected += d.verdict != Verdict::None;
         both += d.together;
         one += d.answer.size() == 1;

@@ -22,7 +22,7 @@ TEST(Diagnosis, FindsNothingWhereNothingIsHidden) {
     constexpr int kCases = 40;
     int rejected = 0, named = 0, somewhere = 0;
     for (std::uint64_t k = 0; k < kCases; ++k) {
-        const Diagnosis d = diagnosis_of(blocks, problem, measured(blocks, k, {}), k);
+        const Diagnosis d = diagnosis_of(blocks, problem, measured(blocks, k, {}), quick(k));
         rejected += d.verdict != Verdict::None;
         somewhere += d.test.residual_p.minCoeff() <= 0.05;
         named += d.verdict == Verdict::Named || d.verdict == Verdict::DataProblem;
@@ -119,7 +119,8 @@ TEST(Diagnosis, NamesWhatIsHidden) {
         int right = 0, near = 0, covered = 0;
         const double strength = hidden == kMassTrend ? 3.0 : 2.5;
         for (std::uint64_t k = 0; k < 6; ++k) {
-            const Diagnosis d = diagnosis_of(blocks, problem, measured(blocks, 100 + k, {{hidden, 0, strength}}), k);
+            const Diagnosis d =
+                diagnosis_of(blocks, problem, measured(blocks, 100 + k, {{hidden, 0, strength}}), brief(k));
             double weights = d.weight_none + d.weight_unnamed;
             for (const EffectFinding& f : d.findings) weights += f.weight;
             if (d.verdict != Verdict::None) {
@@ -236,7 +237,7 @@ TEST(Diagnosis, FindsWhereAnEffectActs) {
     int best = 0, wrong = 0, near = 0, covered = 0;
     for (std::uint64_t k = 0; k < 12; ++k) {
         const ObservationTable table = measured(blocks, 700 + k, {{kHeldBack, 0, 7.0, hidden}});
-        const Diagnosis d = diagnosis_of(blocks, problem, table, k);
+        const Diagnosis d = diagnosis_of(blocks, problem, table, quick(k));
         wrong += d.verdict == Verdict::Named && d.answer.front().effect != kHeldBack;
         const EffectFinding& f = d.findings.front();
         if (d.verdict == Verdict::None || !f.finalist || f.effect != kHeldBack) continue;
@@ -261,7 +262,7 @@ TEST(Diagnosis, NamesTwoEffectsThatActTogether) {
     int both = 0, wrong = 0;
     for (std::uint64_t k = 0; k < 5; ++k) {
         const ObservationTable table = measured(blocks, 600 + k, {{kMassTrend, 0, 4.0}, {kSpeedBias, 0, 3.0}});
-        const Diagnosis d = diagnosis_of(blocks, problem, table, k);
+        const Diagnosis d = diagnosis_of(blocks, problem, table, brief(k));
         for (const EffectFinding& f : d.answer) wrong += f.effect != kMassTrend && f.effect != kSpeedBias;
         if (!d.together) continue;
         ASSERT_EQ(d.answer.size(), 2u);
@@ -271,7 +272,7 @@ TEST(Diagnosis, NamesTwoEffectsThatActTogether) {
         ++both;
         for (const EffectFinding& f : d.answer) EXPECT_NEAR(f.strength, f.effect == kMassTrend ? 4.0 : 3.0, 2.5);
         if (both > 1) continue;
-        const Diagnosis alone = diagnosis_of(blocks, without_pairs, table, k);
+        const Diagnosis alone = diagnosis_of(blocks, without_pairs, table, brief(k));
         EXPECT_EQ(alone.verdict, Verdict::Unknown);
         EXPECT_TRUE(alone.answer.empty());
         EXPECT_TRUE(alone.findings.front().finalist);
@@ -306,7 +307,7 @@ TEST(Diagnosis, FindsTwoEffectsWhereAThirdComesNearestAlone) {
     int both = 0, wrong = 0, friends = 0;
     for (std::uint64_t k = 0; k < 5; ++k) {
         const ObservationTable table = measured(blocks, 700 + k, {{kMassTrend, 0, 5.0}, {kSpeedBias, 0, 4.0}});
-        const Diagnosis d = diagnose(problem, table, quick(k), simulate, {});
+        const Diagnosis d = diagnose(problem, table, brief(k), simulate, {});
         friends += d.findings.front().effect == false_friend;
         if (!d.together) continue;
         ++both;
@@ -326,7 +327,7 @@ TEST(Diagnosis, SaysUnknownWhereTheHiddenEffectIsNotInTheCatalogue) {
     int wrong = 0, detected = 0;
     for (std::uint64_t k = 0; k < 10; ++k) {
         const ObservationTable table = measured(blocks, 200 + k, {{kMassTrend, 0, 3.5}});
-        const Diagnosis d = diagnose(problem, table, quick(k),
+        const Diagnosis d = diagnose(problem, table, brief(k),
                                      [&](const DiagnosisTask& t) {
                                          DiagnosisTask moved = t;
                                          for (EffectDose& dose : moved.effects)
@@ -358,7 +359,7 @@ TEST(Diagnosis, FindsWhatTheCalibrationHasHidden) {
         int right = 0;
         for (std::uint64_t k = 0; k < 8; ++k) {
             const ObservationTable table = measured(blocks, 500 + k, {{kMassTrend, 0, 4.0}});
-            const Diagnosis d = diagnose(problem, table, quick(k), simulate, {});
+            const Diagnosis d = diagnose(problem, table, brief(k), simulate, {});
             right += d.verdict == Verdict::Named && d.answer.front().effect == kMassTrend;
         }
         return right;
@@ -402,7 +403,7 @@ TEST(Diagnosis, ShuffledBlocksNameNoEffectOfMass) {
         ObservationTable table = measured(blocks, 300 + k, {{kMassTrend, 0, 3.0}});
         RandomStream random = stream(7, k);
         for (std::size_t i = table.rows() - 1; i > 0; --i) std::swap(table.block[i], table.block[random.below(i + 1)]);
-        const Diagnosis d = diagnosis_of(blocks, problem, table, k);
+        const Diagnosis d = diagnosis_of(blocks, problem, table, quick(k));
         named += d.verdict == Verdict::Named && d.answer.front().effect == kMassTrend;
     }
     EXPECT_LE(named, 1);
@@ -426,8 +427,9 @@ TEST(Diagnosis, PlanningSaysWhatWouldBeSeen) {
         int rejected = 0;
         constexpr int kCases = 10;
         for (std::uint64_t k = 0; k < kCases; ++k)
-            rejected += diagnosis_of(blocks, problem, measured(blocks, 400 + k, {{kMassTrend, 0, f.smallest_seen}}), k)
-                            .verdict != Verdict::None;
+            rejected +=
+                diagnosis_of(blocks, problem, measured(blocks, 400 + k, {{kMassTrend, 0, f.smallest_seen}}), quick(k))
+                    .verdict != Verdict::None;
         EXPECT_NEAR(rejected / static_cast<double>(kCases), 0.8, 0.3);  // two standard errors
     }
     EXPECT_NEAR(plan.cosines(0, 0), 1.0, 1e-9);
@@ -437,7 +439,8 @@ TEST(Diagnosis, DependsOnTheSeedAlone) {
     const auto blocks = blocks_of_test();
     const DiagnosisProblem problem = problem_for(blocks, all_effects());
     const ObservationTable table = measured(blocks, 3, {{kSpeedBias, 0, 2.0}});
-    const Diagnosis a = diagnosis_of(blocks, problem, table, 3), b = diagnosis_of(blocks, problem, table, 3);
+    const Diagnosis a = diagnosis_of(blocks, problem, table, quick(3)),
+                    b = diagnosis_of(blocks, problem, table, quick(3));
     EXPECT_EQ(a.test.p, b.test.p);
     EXPECT_EQ(a.score.q, b.score.q);
     ASSERT_EQ(a.findings.size(), b.findings.size());
@@ -449,14 +452,14 @@ TEST(Diagnosis, RefusesATestOfWhichTooLittleIsKnown) {
     ObservationTable table = measured(blocks, 1, {});
     for (std::vector<double>& column : table.values)
         std::fill(column.begin() + ResidualSpace::kLeastRows - 1, column.end(), kNaN);
-    EXPECT_THROW(diagnosis_of(blocks, problem_for(blocks, all_effects()), table, 1), InputError);
+    EXPECT_THROW(diagnosis_of(blocks, problem_for(blocks, all_effects()), table, quick(1)), InputError);
 }
 
 // The order of a test is what somebody wrote down, never that of the rows.
 TEST(Diagnosis, LooksForTheCourseOfATestWhereItsOrderIsKnown) {
     auto blocks = blocks_of_test();
     const auto trends = [&] {
-        const Diagnosis d = diagnosis_of(blocks, problem_for(blocks, all_effects()), measured(blocks, 3, {}), 3);
+        const Diagnosis d = diagnosis_of(blocks, problem_for(blocks, all_effects()), measured(blocks, 3, {}), quick(3));
         return std::count_if(d.residuals.begin(), d.residuals.end(),
                              [](const Residual& r) { return r.kind == ResidualKind::OrderTrend; });
     };

@@ -104,6 +104,13 @@ inline DiagnosisSettings quick(std::uint64_t seed) {
     return s;
 }
 
+/// Wide searches end early: for tests of what lies near.
+inline DiagnosisSettings brief(std::uint64_t seed) {
+    DiagnosisSettings s = quick(seed);
+    s.wide_search = 80;
+    return s;
+}
+
 /// What is measured has parameters near the calibrated ones, as after a calibration.
 inline ObservationTable measured(const std::vector<ObservedBlock>& blocks, std::uint64_t number,
                                  std::vector<EffectDose> hidden) {
@@ -113,8 +120,8 @@ inline ObservationTable measured(const std::vector<ObservedBlock>& blocks, std::
 }
 
 inline Diagnosis diagnosis_of(const std::vector<ObservedBlock>& blocks, const DiagnosisProblem& problem,
-                              const ObservationTable& table, std::uint64_t number) {
-    return diagnose(problem, table, quick(number),
+                              const ObservationTable& table, const DiagnosisSettings& settings) {
+    return diagnose(problem, table, settings,
                     [&](const DiagnosisTask& t) { return std::optional(throw_blocks(blocks, t)); }, {});
 }
 
