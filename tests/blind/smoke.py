@@ -1,6 +1,6 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Three blind cases, two of them with nothing hidden, from end to end with budgets that are far too small: that the parts fit together and that cases give nothing away.
+"""Two blind cases, one of them with nothing hidden, from end to end with budgets that are far too small: that the parts fit together and that cases give nothing away.
 
 Usage: smoke.py SCREE
 """
@@ -31,7 +31,7 @@ def run(script, *arguments):
 
 def main():
     with tempfile.TemporaryDirectory() as folder:
-        for first, tier in enumerate("515"):
+        for first, tier in enumerate("51"):
             run("generate.py", sys.argv[1], folder, "--seed", "smoke", "--first", str(first), "--tiers", tier, "--count", "60", "--blocks", "14", "--threads", "2", "--search", "none", "--slopes", "development")
         for file in (Path(folder) / "cases").rglob("*"):
             if file.is_file():
@@ -41,9 +41,9 @@ def main():
         assert truth["tier"] == 1 and len(truth["hidden"]) == 1 and truth["hidden"][0]["strength"] > 0.0, truth
         sets = [word for change in SMALL for word in ("--set", change)]
         print(run("find.py", sys.argv[1], folder, *sets), end="")
-        assert len(list((Path(folder) / "found").glob("*.json"))) == 3, "a case was not diagnosed"
+        assert len(list((Path(folder) / "found").glob("*.json"))) == 2, "a case was not diagnosed"
         said = run("score.py", folder)
-        assert said.startswith("3 cases, of which nothing hidden in 2"), said
+        assert said.startswith("2 cases, of which nothing hidden in 1"), said
         print(said)
         kept = Path(folder) / "kept"
         run("keep.py", str(kept), folder)

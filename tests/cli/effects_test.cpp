@@ -5,6 +5,7 @@
 #include "cli/program.hpp"
 #include "cli/results.hpp"
 #include "cli/site_file.hpp"
+#include "cli/site_model.hpp"
 #include "gis/input_files.hpp"
 #include "scree/base/error.hpp"
 #include "support/paths.hpp"
@@ -13,6 +14,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <atomic>
 #include <fstream>
 
 namespace scree::test {
@@ -185,31 +187,33 @@ std::string acting(const EffectInfo& info, bool in_plane) {
     return entry;
 }
 
-/// How far ten blocks come.
-std::vector<double> runouts_with(const std::string& effect, bool in_plane) {
+/// Where ten blocks stop. Nothing is written: that takes longest.
+std::vector<Vec3> stops_with(const std::string& effect, bool in_plane) {
     const TempDir folder;
-    const Outcome run =
-        scree_program({"run", quarry_with(folder.path(), effect), "--set", "release.count=10", "--set",
-                       "soil.*.restitution=0.3", "--set", in_plane ? "model.dimension=2" : "model.dimension=3"});
-    EXPECT_EQ(run.code, 0) << effect << run.err;
-    std::vector<double> runouts;
-    for (const PointRow& row : read_points(folder / "out/results.gpkg", "stopping_points"))
-        runouts.push_back(row.number("runout_m"));
-    return runouts;
+    const cli::SiteModel model = cli::load_site(cli::read_site_file(
+        quarry_with(folder.path(), effect),
+        {"release.count=10", "soil.*.restitution=0.3", in_plane ? "model.dimension=2" : "model.dimension=3"}));
+    const std::atomic<bool> stop{false};
+    std::vector<Vec3> stops;
+    for (const BlockResult& block : run_campaign(model.campaign, {}, stop).blocks) {
+        stops.push_back(in_plane ? Vec3(block.stop_s, 0.0, 0.0) : block.stop);
+        EXPECT_TRUE(stops.back().allFinite());
+    }
+    return stops;
 }
 
 void expect_each_moves_blocks(bool in_plane) {
-    const std::vector<double> without = runouts_with("", in_plane);
+    const std::vector<Vec3> without = stops_with("", in_plane);
     ASSERT_EQ(without.size(), 10U);
     for (const EffectInfo& info : effect_catalogue()) {
         SCOPED_TRACE(info.name);
         if (info.hook == EffectHook::Measurement) continue;
         if (info.kind != EffectKind::BlockShape) {
-            EXPECT_NE(runouts_with(acting(info, in_plane), in_plane), without);
+            EXPECT_NE(stops_with(acting(info, in_plane), in_plane), without);
             continue;
         }
         for (const char* form : {"corners = 0.4\n", "corners = 2.0\n", "elongation = 1.5\n", "flatness = 1.5\n"})
-            EXPECT_NE(runouts_with(acting(info, in_plane) + form, in_plane), without) << form;
+            EXPECT_NE(stops_with(acting(info, in_plane) + form, in_plane), without) << form;
     }
 }
 
@@ -307,7 +311,7 @@ TEST(EffectRun, MeasurementEffectsLeaveTheRunAlone) {
     std::string all;
     for (const EffectInfo& info : effect_catalogue())
         if (info.hook == EffectHook::Measurement) all += std::string("[[effect]]\nkind = \"") + info.name + "\"\n";
-    EXPECT_EQ(runouts_with(all, false), runouts_with("", false)) << "no block feels them";
+    EXPECT_EQ(stops_with(all, false), stops_with("", false)) << "no block feels them";
     const TempDir folder;
     const std::string site = quarry_with(folder.path(), "[[effect]]\nkind = \"speed_error\"\n");
     const Outcome run = scree_program({"run", site, "--set", "release.count=2"});
