@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "inference/calibration_surroundings.hpp"
 
-#include <Eigen/Eigenvalues>
+#include "inference/eigenpairs.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -32,13 +32,12 @@ void sides(const UnitBox& box, Eigen::VectorXd& low, Eigen::VectorXd& high) {
 Eigen::VectorXd flat_directions(const Eigen::MatrixXd& curvature) {
     const Eigen::Index n = curvature.rows();
     Eigen::VectorXd flat = Eigen::VectorXd::Ones(n);
-    const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(curvature);
+    const auto [values, vectors] = eigenpairs(curvature);
     // of a direction of negative curvature, those parameters are flat that take part in it
     for (Eigen::Index i = 0; i < n; ++i) {
         double inverse = 0.0, downwards = 0.0;
         for (Eigen::Index k = 0; k < n; ++k) {
-            const double part = solver.eigenvectors()(i, k) * solver.eigenvectors()(i, k),
-                         value = solver.eigenvalues()[k];
+            const double part = vectors(i, k) * vectors(i, k), value = values[k];
             if (value > 0.0)
                 inverse += part / value;
             else
@@ -206,16 +205,16 @@ Eigen::MatrixXd correlation_of(const MinimumSpread& spread) {
 }
 
 std::vector<CalibrationDirection> directions_of(const MinimumSpread& spread) {
-    const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(covariance_of(spread.draws));
+    const auto [values, vectors] = eigenpairs(covariance_of(spread.draws));
     std::vector<CalibrationDirection> directions;
     for (Eigen::Index k = 0; k < spread.draws.cols(); ++k) {
-        const Eigen::VectorXd axis = solver.eigenvectors().col(k);
+        const Eigen::VectorXd axis = vectors.col(k);
         Eigen::Index largest = 0;
         axis.cwiseAbs().maxCoeff(&largest);
         const double sign = axis[largest] < 0.0 ? -1.0 : 1.0;  // eigenvectors have none of their own
         CalibrationDirection direction;
         for (const double w : axis) direction.weights.push_back(sign * w);
-        direction.deviation = std::sqrt(std::max(solver.eigenvalues()[k], 0.0));
+        direction.deviation = std::sqrt(std::max(values[k], 0.0));
         directions.push_back(std::move(direction));
     }
     return directions;

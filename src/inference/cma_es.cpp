@@ -1,13 +1,14 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "inference/cma_es.hpp"
 
-#include "scree/base/assert.hpp"
+#include "inference/eigenpairs.hpp"
 
-#include <Eigen/Eigenvalues>
+#include "scree/base/assert.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <numeric>
+#include <utility>
 
 namespace scree {
 
@@ -41,9 +42,9 @@ CmaEs::CmaEs(const Eigen::VectorXd& mean, double sigma, int population, RandomSt
 }
 
 void CmaEs::decompose() {
-    const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(covariance_);
-    axes_ = solver.eigenvectors();
-    lengths_ = solver.eigenvalues().cwiseMax(1e-20).cwiseSqrt();
+    Eigenpairs pairs = eigenpairs(covariance_);
+    axes_ = std::move(pairs.vectors);
+    lengths_ = pairs.values.cwiseMax(1e-20).cwiseSqrt();
 }
 
 std::vector<Eigen::VectorXd> CmaEs::ask() {

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "inference/emulator.hpp"
 
-#include "scree/base/assert.hpp"
+#include "inference/eigenpairs.hpp"
 
-#include <Eigen/Eigenvalues>
+#include "scree/base/assert.hpp"
 
 #include <cmath>
 #include <limits>
@@ -51,9 +51,9 @@ Emulator::Emulator(Eigen::MatrixXd points, const Eigen::MatrixXd& values, const 
     : points_(std::move(points)), lengths_(lengths), middle_(values.colwise().mean()) {
     const Eigen::Index count = points_.rows(), functions = values.cols();
     SCREE_ASSERT(count > 0 && values.rows() == count && lengths.size() == points_.cols() && least_noise > 0.0);
-    const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(correlations(points_, points_, lengths_));
-    axes_ = solver.eigenvectors();
-    const Eigen::ArrayXd along = solver.eigenvalues().array().max(0.0);
+    Eigenpairs pairs = eigenpairs(correlations(points_, points_, lengths_));
+    axes_ = std::move(pairs.vectors);
+    const Eigen::ArrayXd along = pairs.values.array().max(0.0);
     const Eigen::MatrixXd turned = axes_.transpose() * (values.rowwise() - middle_);
     shrink_.resize(count, functions);
     variance_.resize(functions);

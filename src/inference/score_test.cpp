@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "scree/inference/score_test.hpp"
 
+#include "inference/eigenpairs.hpp"
+
 #include "scree/base/assert.hpp"
 #include "scree/base/random.hpp"
 
 #include <Eigen/Cholesky>
-#include <Eigen/Eigenvalues>
 
 #include <algorithm>
 #include <cmath>
@@ -42,9 +43,9 @@ Eigen::MatrixXd row_covariance(const ResidualRows& rows, const Eigen::VectorXd& 
     const Eigen::ArrayXd deviation = covariance.diagonal().array().max(1e-12).sqrt();
     const Eigen::MatrixXd correlation =
         covariance.array() / (deviation.matrix() * deviation.matrix().transpose()).array();
-    const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(correlation);
-    const Eigen::VectorXd values = eigen.eigenvalues().cwiseMax(kLeastEigenvalue * eigen.eigenvalues().maxCoeff());
-    covariance = eigen.eigenvectors() * values.asDiagonal() * eigen.eigenvectors().transpose();
+    const Eigenpairs pairs = eigenpairs(correlation);
+    const Eigen::VectorXd values = pairs.values.cwiseMax(kLeastEigenvalue * pairs.values.maxCoeff());
+    covariance = pairs.vectors * values.asDiagonal() * pairs.vectors.transpose();
     return deviation.matrix().asDiagonal() * covariance * deviation.matrix().asDiagonal();
 }
 
