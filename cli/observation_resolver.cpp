@@ -53,7 +53,7 @@ Vec2 release_centre(const FeatureLayer& layer) {
                 [&](const Ring& ring) {  // triangles from its first point; holes run the other way and count negative
                     for (std::size_t i = 1; i + 1 < ring.size(); ++i) {
                         const Vec2 a = ring[i] - ring[0], b = ring[i + 1] - ring[0];
-                        add(ring[0] + (a + b) / 3.0, 0.5 * (a.x() * b.y() - a.y() * b.x()));
+                        add(ring[0] + (a + b) / 3.0, 0.5 * cross(a, b));
                     }
                 };
             for (const Polygon& polygon : *polygons) {

@@ -16,7 +16,7 @@ using Triangle = std::array<Vec2, 3>;  // in plan, counter-clockwise [m]
 
 double area_of(const Triangle& t) {
     const Vec2 a = t[1] - t[0], b = t[2] - t[0];
-    return 0.5 * (a.x() * b.y() - a.y() * b.x());
+    return 0.5 * cross(a, b);
 }
 
 // Does the segment reach further than `touch` into the triangle?

@@ -182,7 +182,7 @@ void TinBuilder::for_each_node(const ConstrainedDelaunay::Face& face, const Use&
         z[k] = heights_[static_cast<std::size_t>(face[k])];
     }
     const Vec2 a = p[1] - p[0], b = p[2] - p[0];
-    const double twice_area = a.x() * b.y() - a.y() * b.x();
+    const double twice_area = cross(a, b);
     const double slope_u = ((z[1] - z[0]) * b.y() - (z[2] - z[0]) * a.y()) / twice_area;
     const double slope_v = ((z[2] - z[0]) * a.x() - (z[1] - z[0]) * b.x()) / twice_area;
 

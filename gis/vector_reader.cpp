@@ -259,7 +259,7 @@ private:
         double twice_area = 0;
         for (std::size_t i = 0; i < ring.size(); ++i) {
             const Vec2 a = ring[i] - ring[0], b = ring[(i + 1) % ring.size()] - ring[0];
-            twice_area += a.x() * b.y() - a.y() * b.x();
+            twice_area += cross(a, b);
         }
         if (ring.size() < 3 || twice_area == 0)
             refuse(id_, "whose polygon has a ring without area; mend or delete it.");

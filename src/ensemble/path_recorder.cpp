@@ -244,10 +244,9 @@ void MapRecorder::cross_screens(const MotionSegment<3>& m) {
         double first = 2.0;
         for (std::size_t i = 1; i < line.size(); ++i) {
             const Vec2 e = line[i] - line[i - 1], d = end - start, w = line[i - 1] - start;
-            const double determinant = d.x() * e.y() - d.y() * e.x();
+            const double determinant = cross(d, e);
             if (determinant == 0.0) continue;
-            const double s = (w.x() * e.y() - w.y() * e.x()) / determinant,
-                         r = (w.x() * d.y() - w.y() * d.x()) / determinant;
+            const double s = cross(w, e) / determinant, r = cross(w, d) / determinant;
             if (s >= 0.0 && s <= 1.0 && r >= 0.0 && r <= 1.0) first = std::min(first, s);
         }
         if (first <= 1.0) passed.push_back({k, first});

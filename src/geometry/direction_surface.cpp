@@ -31,7 +31,7 @@ FacetLevels levels_of(DirectionSurface& surface, const WalkFacet& facet, bool pu
         f.level[k] = pull ? surface.level(facet.corner[k]) : surface.ground(facet.corner[k]);
     const Vec2 a = (facet.corner[1] - facet.corner[0]).head<2>(), b = (facet.corner[2] - facet.corner[0]).head<2>();
     const double p = f.level[1] - f.level[0], q = f.level[2] - f.level[0];
-    const double twice_area = a.x() * b.y() - a.y() * b.x();
+    const double twice_area = cross(a, b);
     f.gradient = Vec2(p * b.y() - q * a.y(), q * a.x() - p * b.x()) / twice_area;
     return f;
 }

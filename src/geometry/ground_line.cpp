@@ -25,7 +25,7 @@ GroundLine::GroundLine(const Profile& profile) {
         r.soil = profile.soil[k];
         if (k == 0) continue;
         const Vec2 &before = reaches_[k - 1].normal, &after = r.normal;
-        crest_[k] = before.x() * after.y() - before.y() * after.x() < -std::sin(kCrestAngle);
+        crest_[k] = cross(before, after) < -std::sin(kCrestAngle);
     }
     bins_.resize(count);
     bins_per_metre_ = static_cast<double>(count) / length();

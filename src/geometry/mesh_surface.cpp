@@ -45,7 +45,7 @@ double area_in_box(const std::array<Vec3, 3>& corners, const Box2& box) {
     double twice = 0.0;
     for (std::size_t k = 0; k < count; ++k) {
         const Vec2 &a = shape[k], &b = shape[(k + 1) % count];
-        twice += a.x() * b.y() - a.y() * b.x();
+        twice += cross(a, b);
     }
     return 0.5 * twice;
 }

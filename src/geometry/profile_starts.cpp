@@ -13,7 +13,7 @@ Vec2 centroid(const Ring& ring) {
     Vec2 sum = Vec2::Zero();
     for (std::size_t i = 0; i < ring.size(); ++i) {
         const Vec2 a = ring[i] - ring[0], b = ring[(i + 1) % ring.size()] - ring[0];
-        const double twice = a.x() * b.y() - a.y() * b.x();
+        const double twice = cross(a, b);
         area += twice;
         sum += twice * (a + b);
     }

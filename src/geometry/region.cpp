@@ -91,10 +91,9 @@ double Region::first_border(const Vec2& from, const Vec2& to) const {
         for (const int e : bands_[static_cast<std::size_t>(band)]) {
             const Edge& edge = edges_[static_cast<std::size_t>(e)];
             const Vec2 side = edge.b - edge.a, w = edge.a - from;
-            const double determinant = way.x() * side.y() - way.y() * side.x();
+            const double determinant = cross(way, side);
             if (determinant == 0.0) continue;  // along the edge: its neighbours are met
-            const double s = (w.x() * side.y() - w.y() * side.x()) / determinant,
-                         r = (w.x() * way.y() - w.y() * way.x()) / determinant;
+            const double s = cross(w, side) / determinant, r = cross(w, way) / determinant;
             if (s > 0.0 && s <= 1.0 && r >= 0.0 && r <= 1.0) first = std::min(first, s);
         }
     }

@@ -28,7 +28,7 @@ double entry(const Vec2& a, const Vec2& b, const Vec2& centre, double radius, do
     const Vec2 way = b - a, w = a - centre;
     const double length = way.norm();
     if (length == 0.0 || w.squaredNorm() <= radius * radius) return kInfinity;
-    const double along = -w.dot(way) / length, beside = (w.x() * way.y() - w.y() * way.x()) / length;
+    const double along = -w.dot(way) / length, beside = cross(w, way) / length;
     if (std::abs(beside) >= radius) return kInfinity;
     const double s = (along - std::sqrt(radius * radius - beside * beside)) / length;
     offset = std::abs(beside) / radius;

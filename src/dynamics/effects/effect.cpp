@@ -21,10 +21,9 @@ std::size_t parameter_index(EffectKind kind, std::string_view key) {
 /// Share of the segment a-b at which it meets the segment c-d, infinite if it does not or only in a.
 double meeting(const Vec2& a, const Vec2& b, const Vec2& c, const Vec2& d) {
     const Vec2 way = b - a, edge = d - c, w = c - a;
-    const double determinant = way.x() * edge.y() - way.y() * edge.x();
+    const double determinant = cross(way, edge);
     if (determinant == 0.0) return kInfinity;
-    const double s = (w.x() * edge.y() - w.y() * edge.x()) / determinant,
-                 r = (w.x() * way.y() - w.y() * way.x()) / determinant;
+    const double s = cross(w, edge) / determinant, r = cross(w, way) / determinant;
     return s > 0.0 && s <= 1.0 && r >= 0.0 && r <= 1.0 ? s : kInfinity;
 }
 
