@@ -5,6 +5,7 @@
 #include "cli/diagnose_consequences.hpp"
 #include "cli/diagnose_force.hpp"
 #include "cli/diagnose_further.hpp"
+#include "cli/diagnose_refits.hpp"
 #include "cli/diagnose_report.hpp"
 #include "cli/diagnose_words.hpp"
 

@@ -8,6 +8,7 @@
 #include "cli/diagnose_extended.hpp"
 #include "cli/diagnose_force.hpp"
 #include "cli/diagnose_further.hpp"
+#include "cli/diagnose_refits.hpp"
 #include "cli/diagnose_words.hpp"
 #include "cli/html.hpp"
 #include "cli/settings.hpp"

@@ -2,6 +2,7 @@
 #include "cli/diagnose_study.hpp"
 
 #include "cli/calibration_journal.hpp"
+#include "cli/diagnose_refits.hpp"
 #include "cli/further_instruments.hpp"
 #include "scree/base/error.hpp"
 #include "scree/inference/calibration_loss.hpp"
@@ -20,8 +21,6 @@ namespace {
 constexpr double kLeastStep = 0.03, kMostStep = 0.15, kPlannedStep = 0.08;
 /// Small differences between a few effects need so many times the simulations [-].
 constexpr std::int64_t kGroupRepeats = 4;
-/// A gap over all so many times the largest of 95 % of chance is far beyond it [-].
-constexpr double kFarBeyond = 2.0;
 
 /// Position in a range, 0 to 1, by ratios if it is searched so.
 double to_unit(const CalibrationParameter& p, double value) {
@@ -39,10 +38,6 @@ Interval strength_range(const AnsweredEffect& e) {
     if (!(f.strength_deviation > 0.0) || std::isinf(f.strength_deviation)) return {0.0, e.variant.most};
     const double reach = kNinetyFive * f.strength_deviation;
     return {std::max(f.strength - reach, 0.0), std::min(f.strength + reach, e.variant.most)};
-}
-
-bool is_far_beyond(const CompareStudy& study) {
-    return study.overall.gap > kFarBeyond * study.overall.chance.high;
 }
 
 /// None where nobody knows which record is of which block.
@@ -112,10 +107,8 @@ public:
     /// Q of a test is what is left after a linear step of the parameters, so that a model whose Q is small may still be a step away from what it could be.
     void tell_without() {
         for (const CalibrationPoint& point : {study_.tested_point(), study_.asked_point()}) {
-            CalibratedModel model = study_.baseline;
-            model.point = model.result.best = point;
             MovedModel moved{point, kNaN, {}};
-            moved.gap = compared(model, {}, moved.campaign).overall.gap;
+            moved.gap = compared(model_at(point), {}, moved.campaign).overall.gap;
             if (study_.interrupted) return;
             if (moved.gap < study_.told_gap()) study_.moved = std::move(moved);
         }
@@ -178,11 +171,12 @@ public:
         }
     }
 
-    CalibratedModel tested_model() const {
+    CalibratedModel model_at(const CalibrationPoint& point) const {
         CalibratedModel model = study_.baseline;
-        model.point = model.result.best = study_.tested_point();
+        model.point = model.result.best = point;
         return model;
     }
+    CalibratedModel tested_model() const { return model_at(study_.tested_point()); }
 
     void plan_test() {
         CalibratedModel as_given;
@@ -535,46 +529,6 @@ CalibrationPoint DiagnoseStudy::asked_point() const {
         point.values[k] = from_unit(keys.problem.parameters[k],
                                     diagnosis.parameters[k] + diagnosis.score.shift[static_cast<Eigen::Index>(k)]);
     return point;
-}
-
-void judge_refits(DiagnoseStudy& study) {
-    auto& answers = study.answers;
-    if (answers.empty()) return;
-    const auto demote = [&](const std::string& why) {
-        study.demoted = why;
-        study.verdict = Verdict::Unknown;
-    };
-    const auto explains = [&](const AnswerFit& a) { return !is_far_beyond(a.study); };
-    if (std::none_of(answers.begin(), answers.end(), explains))
-        return demote("with " + answers.front().name() +
-                      ", which comes nearest, the model is still far beyond chance as a whole");
-    std::stable_partition(answers.begin(), answers.end(), explains);
-    if (study.baseline.result.folds.empty()) return;
-    const double without = study.baseline.result.held_out.loss;
-    const auto better = [&](const AnswerFit& a) {
-        return explains(a) && a.model.result.held_out.loss < std::min(without, a.loss_of_one);
-    };
-    if (std::none_of(answers.begin(), answers.end(), better))
-        return demote("the blocks held out are predicted no better with " + answers.front().name() + " than " +
-                      (answers.front().loss_of_one < without ? "with one of them alone" : "without"));
-    std::stable_partition(answers.begin(), answers.end(), better);
-}
-
-std::optional<double> removable_gap_closed(const DiagnoseStudy& study, const AnswerFit& answer) {
-    const CalibrationFit &without = study.baseline.result.held_out, &with = answer.model.result.held_out;
-    if (study.baseline.result.folds.empty() || !(without.loss > with.floor)) return std::nullopt;
-    return (without.loss - with.loss) / (without.loss - with.floor);
-}
-
-std::optional<HeldOutGain> held_out_gain(const DiagnoseStudy& study, const AnswerFit& answer) {
-    const std::vector<double>&without = study.baseline.result.held_out_losses,
-          &with = answer.model.result.held_out_losses;
-    if (without.size() < 2 || with.size() != without.size()) return std::nullopt;
-    const auto n = static_cast<Eigen::Index>(without.size());
-    const Eigen::ArrayXd gain =
-        Eigen::Map<const Eigen::ArrayXd>(without.data(), n) - Eigen::Map<const Eigen::ArrayXd>(with.data(), n);
-    const double variance = (gain - gain.mean()).square().sum() / static_cast<double>(n - 1);
-    return HeldOutGain{gain.mean(), std::sqrt(variance / static_cast<double>(n))};
 }
 
 /// Standard deviation of the measured stops to the sides of the axis [m].

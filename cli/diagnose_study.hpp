@@ -138,21 +138,6 @@ struct DiagnoseInput {
 /// fields that the caller knows (site, keys, search, settings, inputs).
 void run_study(const DiagnoseInput& input, DiagnoseStudy& study);
 
-/// A name with which the model, calibrated anew, is still far from the measurements is none, nor one that predicts blocks that it was not fitted to
-/// no better than the model without it, nor two that predict them no better than one of them: the verdict becomes UNKNOWN if no answer is left, and those that are left come first.
-void judge_refits(DiagnoseStudy& study);
-
-/// Share of the removable loss on held-out blocks: down to what one more repeat of the simulation would lose [-]. Nothing where there are no folds, or
-/// where the model without the answer loses no more than that: what is minimised then says nothing of what is missing.
-std::optional<double> removable_gap_closed(const DiagnoseStudy& study, const AnswerFit& answer);
-
-/// What a block that was held out loses less with the answer, in the mean, and the standard error of that [-]: both from differences of the same blocks.
-struct HeldOutGain {
-    double mean = kNaN, error = kNaN;  ///< [-]
-};
-/// Nothing where there are no folds.
-std::optional<HeldOutGain> held_out_gain(const DiagnoseStudy& study, const AnswerFit& answer);
-
 /// What the test in `input.observed`, of which values say only what would be measured, could see with the site's own parameters.
 void plan_study(const DiagnoseInput& input, DiagnoseStudy& study);
 

@@ -3,6 +3,7 @@
 
 #include "cli/diagnose_extended.hpp"
 #include "cli/diagnose_further.hpp"
+#include "cli/diagnose_refits.hpp"
 #include "cli/diagnose_units.hpp"
 #include "cli/text.hpp"
 #include "scree/inference/distance.hpp"

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Whether an answer survives its refit: the gap that is left over all, and the blocks that were held out.
-#include "cli/diagnose_study.hpp"
+#include "cli/diagnose_refits.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

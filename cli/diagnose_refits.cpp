@@ -1,0 +1,57 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "cli/diagnose_refits.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+
+namespace scree::cli {
+
+/// A gap over all so many times the largest of 95 % of chance is far beyond it [-].
+constexpr double kFarBeyond = 2.0;
+
+bool is_far_beyond(const CompareStudy& study) {
+    return study.overall.gap > kFarBeyond * study.overall.chance.high;
+}
+
+void judge_refits(DiagnoseStudy& study) {
+    auto& answers = study.answers;
+    if (answers.empty()) return;
+    const auto demote = [&](const std::string& why) {
+        study.demoted = why;
+        study.verdict = Verdict::Unknown;
+    };
+    const auto explains = [&](const AnswerFit& a) { return !is_far_beyond(a.study); };
+    if (std::none_of(answers.begin(), answers.end(), explains))
+        return demote("with " + answers.front().name() +
+                      ", which comes nearest, the model is still far beyond chance as a whole");
+    std::stable_partition(answers.begin(), answers.end(), explains);
+    if (study.baseline.result.folds.empty()) return;
+    const double without = study.baseline.result.held_out.loss;
+    const auto better = [&](const AnswerFit& a) {
+        return explains(a) && a.model.result.held_out.loss < std::min(without, a.loss_of_one);
+    };
+    if (std::none_of(answers.begin(), answers.end(), better))
+        return demote("the blocks held out are predicted no better with " + answers.front().name() + " than " +
+                      (answers.front().loss_of_one < without ? "with one of them alone" : "without"));
+    std::stable_partition(answers.begin(), answers.end(), better);
+}
+
+std::optional<double> removable_gap_closed(const DiagnoseStudy& study, const AnswerFit& answer) {
+    const CalibrationFit &without = study.baseline.result.held_out, &with = answer.model.result.held_out;
+    if (study.baseline.result.folds.empty() || !(without.loss > with.floor)) return std::nullopt;
+    return (without.loss - with.loss) / (without.loss - with.floor);
+}
+
+std::optional<HeldOutGain> held_out_gain(const DiagnoseStudy& study, const AnswerFit& answer) {
+    const std::vector<double>&without = study.baseline.result.held_out_losses,
+          &with = answer.model.result.held_out_losses;
+    if (without.size() < 2 || with.size() != without.size()) return std::nullopt;
+    const auto n = static_cast<Eigen::Index>(without.size());
+    const Eigen::ArrayXd gain =
+        Eigen::Map<const Eigen::ArrayXd>(without.data(), n) - Eigen::Map<const Eigen::ArrayXd>(with.data(), n);
+    const double variance = (gain - gain.mean()).square().sum() / static_cast<double>(n - 1);
+    return HeldOutGain{gain.mean(), std::sqrt(variance / static_cast<double>(n))};
+}
+
+}  // namespace scree::cli
