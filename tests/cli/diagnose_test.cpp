@@ -203,6 +203,25 @@ TEST(Diagnose, WithoutTheRightNameItIsUnknownAndNoForce) {
     expect_the_nearest_is_told(out, observed);
 }
 
+// With several parameters free what is calibrated leaves more over all than what the residuals ask for, a step beyond what was tested.
+TEST(Diagnose, WithoutAnAnswerTheLastStepOfTheParametersIsTaken) {
+    const TempDir folder;
+    field_test_with(folder, "kind = \"ground_drag\"\ncoefficient = 2.0\n", 16);
+    const fs::path out = folder / "out";
+    const Outcome run = diagnose(out,
+                                 {"--observed", (folder / "field").string(), "--free", "soil.*.rolling=0.01:0.3:log",
+                                  "--set", "diagnosis.further=false", "--set", nothing_but({})},
+                                 "soil.*.restitution=0:0.5");
+    ASSERT_EQ(run.code, 0) << run.err;
+    EXPECT_THAT(run.out, HasSubstr("=> UNKNOWN"));
+    const json baseline = json::parse(text_of(out / "diagnosis.json")).at("baseline");
+    EXPECT_NE(baseline.at("told"), baseline.at("calibrated"));
+    EXPECT_NE(baseline.at("told"), baseline.at("tested"));
+    EXPECT_LT(baseline.at("gap_over_all_told").get<double>(), 0.7 * baseline.at("gap_over_all").get<double>());
+    EXPECT_THAT(run.out, HasSubstr("all of it together asks for"));
+    expect_the_nearest_is_told(out, folder / "field");
+}
+
 TEST(Diagnose, AForceSaysWhatAnEffectWithoutANameDoes) {
     const TempDir folder;
     field_test_with(folder, "kind = \"ground_drag\"\ncoefficient = 2.0\n", 30);
