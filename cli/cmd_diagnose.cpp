@@ -158,26 +158,30 @@ gis::ResultsPackage results_of(const DiagnoseStudy& study, const SiteModel& mode
     if (judged && !model.in_plane()) {  // topmost first
         if (const AnswerFit* on_blocks = answer_on_blocks(study))
             package.rasters.push_back(reach_raster(model, on_blocks->campaign, "extended"));
+        if (study.moved) package.rasters.push_back(reach_raster(model, study.moved->campaign, "told"));
         package.rasters.push_back(reach_raster(model, study.campaign, "calibrated"));
     }
-    const auto chosen = [&](const CompareStudy& of, const CampaignResult& campaign, const char* prefix) {
-        std::vector<Figure> list;
-        for (Figure& f : compare_figures(of, model, observed, campaign))
+    std::vector<ModelFigures> of_models;
+    const auto add = [&](const std::string& of, const CompareStudy& compared, const CampaignResult& campaign,
+                         const char* prefix) {
+        of_models.push_back({of, {}});
+        for (Figure& f : compare_figures(compared, model, observed, campaign))
             if (f.file == "overview.svg" || f.file == "gaps.svg" || f.file == "map.svg") {
                 f.file = prefix + f.file;
-                list.push_back(std::move(f));
+                of_models.back().figures.push_back(std::move(f));
             }
-        return list;
     };
-    const std::vector<Figure> before =
-                                  judged ? chosen(study.before, study.campaign, "calibrated_") : std::vector<Figure>{},
-                              after = study.answers.empty() ? std::vector<Figure>{}
-                                                            : chosen(study.answers.front().study,
-                                                                     study.answers.front().campaign, "extended_");
-    for (const std::vector<Figure>* list : {&figures, &before, &after})
-        for (const Figure& f : *list) package.files.push_back({"figures/" + f.file, f.svg});
+    if (judged) add("calibrated model", study.before, study.campaign, "calibrated_");
+    if (study.moved) add("parameters that are told", study.moved->study, study.moved->campaign, "told_");
+    if (!study.answers.empty()) {
+        const AnswerFit& best = study.answers.front();
+        add("with " + best.name(), best.study, best.campaign, "extended_");
+    }
+    for (const Figure& f : figures) package.files.push_back({"figures/" + f.file, f.svg});
+    for (const ModelFigures& m : of_models)
+        for (const Figure& f : m.figures) package.files.push_back({"figures/" + f.file, f.svg});
     package.files.push_back({"diagnosis.json", diagnose_json(study)});
-    package.files.push_back({"report.html", diagnose_html(study, figures, before, after)});
+    package.files.push_back({"report.html", diagnose_html(study, figures, of_models)});
     for (std::size_t k = 0; k < study.site_files(); ++k)
         package.files.push_back({extended_name(k), extended_toml(study, k, folder)});
     return package;

@@ -79,7 +79,7 @@ Figure where_figure(const DiagnoseStudy& study) {
     Figure f = bar_chart(bars, -d.test.residual_limit, d.test.residual_limit, "What the calibrated model leaves",
                          "measured less simulated [standard deviations]", chance_words(study));
     f.file = "where.svg";
-    f.title = "Where the calibrated model fails";
+    f.title = "Residuals of the calibrated model";
     f.caption =
         "Each bar is one look at the measured blocks, zero if they were blocks of the simulation, with all taken "
         "out that other values of the calibrated parameters would absorb. Largest first.";

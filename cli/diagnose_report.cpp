@@ -164,6 +164,24 @@ std::string gaps_html(const DiagnoseStudy& study, const AnswerFit& a) {
            (gain.empty() ? "" : "<p>Of what is fitted " + gain + ".</p>\n") + places_html(study, a);
 }
 
+/// The parameters that are told where no answer stands, and what they leave.
+std::string moved_html(const DiagnoseStudy& study) {
+    if (!study.moved) return "";
+    std::vector<std::vector<std::string>> parameters, gaps;
+    for (std::size_t k = 0; k < study.keys.problem.parameters.size(); ++k)
+        parameters.push_back({study.keys.problem.parameters[k].name, short_number(study.baseline.point.values[k]),
+                              short_number(study.moved->point.values[k])});
+    const CompareStudy &before = study.before, &moved = study.moved->study;
+    for (std::size_t k = 0; k < before.observables.size(); ++k)
+        gaps.push_back({before.observables[k].gap.observable.name, gap_number(before.observables[k].gap.pooled.gap),
+                        gap_number(moved.observables[k].gap.pooled.gap), chance_text(moved.observables[k].gap.pooled)});
+    gaps.push_back({"all", gap_number(before.overall.gap), gap_number(moved.overall.gap), chance_text(moved.overall)});
+    return "<h2>Without an effect</h2>\n<p>Other parameters than the calibrated ones leave less of all that was "
+           "measured, and site_extended.toml has them.</p>\n" +
+           html_table({"parameter", "calibrated", "told"}, parameters) +
+           html_table({"gap", "calibrated", "told", "chance"}, gaps);
+}
+
 std::string consequences_html(const DiagnoseStudy& study, std::size_t answer) {
     std::vector<std::vector<std::string>> rows;
     for (const ScreenChange& c : changes_at_screens(study, answer)) {
@@ -211,7 +229,7 @@ measurements. <b>Removable gap</b>: what the held-out blocks lose beyond one mor
 }  // namespace
 
 std::string diagnose_html(const DiagnoseStudy& study, const std::vector<Figure>& figures,
-                          const std::vector<Figure>& before, const std::vector<Figure>& after) {
+                          const std::vector<ModelFigures>& of_models) {
     std::ostringstream html;
     html << "<p class=\"verdict\">" << escaped(verdict_sentence(study)) << "</p>\n<p>" << study.blocks
          << (study.planning ? " blocks planned" : " measured blocks") << "; " << study.diagnosis.simulated_blocks
@@ -243,13 +261,13 @@ std::string diagnose_html(const DiagnoseStudy& study, const std::vector<Figure>&
             html << "<p>" << escaped(variant_name(e.variant) + ": " + strength_text(e)) << ".</p>\n";
         html << gaps_html(study, a) << consequences_html(study, k);
     }
+    html << moved_html(study);
     if (!study.diagnosis.findings.empty())
         html << "<h2>All effects that were searched</h2>\n" << effects_html(study) << kHow;
-    if (!before.empty()) html << "<h2>Measured and simulated, calibrated model</h2>\n";
-    for (const Figure& f : before) html << html_figure(f);
-    if (!after.empty())
-        html << "<h2>Measured and simulated, with " << escaped(study.answers.front().name()) << "</h2>\n";
-    for (const Figure& f : after) html << html_figure(f);
+    for (const ModelFigures& m : of_models) {
+        html << "<h2>Measured and simulated, " << escaped(m.model) << "</h2>\n";
+        for (const Figure& f : m.figures) html << html_figure(f);
+    }
     html << "<h2>Not searched</h2>\n"
          << html_list(study.catalogue.left_out) << "<h2>Inputs</h2>\n"
          << html_list(study.inputs);

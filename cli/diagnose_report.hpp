@@ -11,10 +11,16 @@
 
 namespace scree::cli {
 
+/// Measured and simulated, of one of the models of a diagnosis.
+struct ModelFigures {
+    std::string model;  ///< "calibrated model", "with ground_drag"
+    std::vector<Figure> figures;
+};
+
 std::vector<Figure> diagnose_figures(const DiagnoseStudy& study);
 std::string diagnose_json(const DiagnoseStudy& study);
 std::string diagnose_html(const DiagnoseStudy& study, const std::vector<Figure>& figures,
-                          const std::vector<Figure>& before, const std::vector<Figure>& after);
+                          const std::vector<ModelFigures>& of_models);
 /// The site with calibrated values and, if that answer stands, its effects; for the folder `to`.
 std::string extended_toml(const DiagnoseStudy& study, std::size_t answer, const std::filesystem::path& to);
 /// Which strength of each effect such a test would see, and what looks like it.

@@ -107,10 +107,10 @@ public:
     /// Q of a test is what is left after a linear step of the parameters, so that a model whose Q is small may still be a step away from what it could be.
     void tell_without() {
         for (const CalibrationPoint& point : {study_.tested_point(), study_.asked_point()}) {
-            MovedModel moved{point, kNaN, {}};
-            moved.gap = compared(model_at(point), {}, moved.campaign).overall.gap;
+            MovedModel moved{point, {}, {}};
+            moved.study = compared(model_at(point), {}, moved.campaign);
             if (study_.interrupted) return;
-            if (moved.gap < study_.told_gap()) study_.moved = std::move(moved);
+            if (moved.study.overall.gap < study_.told_gap()) study_.moved = std::move(moved);
         }
     }
 

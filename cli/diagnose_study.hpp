@@ -30,7 +30,7 @@ struct CalibratedModel {
 /// The model without effects at other parameters than calibrated.
 struct MovedModel {
     CalibrationPoint point;
-    double gap = kNaN;  ///< over all [-]
+    CompareStudy study;  ///< of the measured blocks
     CampaignResult campaign;
 };
 
@@ -117,7 +117,7 @@ struct DiagnoseStudy {
     CalibrationPoint asked_point() const;
     /// Of the calibrated parameters, the tested ones and those asked for still, the ones that leave the least over all: told where no answer stands.
     const CalibrationPoint& told_point() const { return moved ? moved->point : baseline.point; }
-    double told_gap() const { return moved ? moved->gap : before.overall.gap; }
+    double told_gap() const { return (moved ? moved->study : before).overall.gap; }
     DiagnosisVariant variant_of(const EffectFinding& f) const { return catalogue.variant(f.effect, f.variant, f.on); }
 };
 

@@ -99,7 +99,8 @@ TEST(DiagnoseExtended, WithoutAnAnswerItHasWhatLeavesLeast) {
     study.diagnosis.score.shift[0] = 0.9;
     EXPECT_EQ(study.asked_point().values[0], 0.3) << "the end of the range";
     EXPECT_THAT(extended_toml(study, 0, folder.path()), HasSubstr("rolling = 0.25\n"));
-    study.moved = MovedModel{study.asked_point(), 2.0, {}};
+    study.moved = MovedModel{study.asked_point(), {}, {}};
+    study.moved->study.overall.gap = 2.0;
     const std::string moved = extended_toml(study, 0, folder.path());
     EXPECT_THAT(moved, HasSubstr("rolling = 0.3\n"));
     EXPECT_THAT(moved, HasSubstr("rolling = 0.3 and not 0.25"));

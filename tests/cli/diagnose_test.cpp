@@ -219,6 +219,8 @@ TEST(Diagnose, WithoutAnAnswerTheLastStepOfTheParametersIsTaken) {
     EXPECT_NE(baseline.at("told"), baseline.at("tested"));
     EXPECT_LT(baseline.at("gap_over_all_told").get<double>(), 0.7 * baseline.at("gap_over_all").get<double>());
     EXPECT_THAT(run.out, HasSubstr("all of it together asks for"));
+    EXPECT_TRUE(fs::exists(out / "figures/told_overview.svg"));
+    EXPECT_THAT(text_of(out / "report.html"), HasSubstr("Measured and simulated, parameters that are told"));
     expect_the_nearest_is_told(out, folder / "field");
 }
 
