@@ -179,7 +179,7 @@ std::string diagnose_json(const DiagnoseStudy& study) {
         }
         baseline["gap_fitted"] = study.baseline.result.best_fit.gap();
         baseline["gap_over_all"] = study.before.overall.gap;
-        if (told) baseline["gap_over_all_told"] = study.told_gap();
+        if (told) baseline["gap_over_all_told"] = study.told().overall.gap;
         if (!study.baseline.result.folds.empty()) {
             baseline["held_out_loss"] = study.baseline.result.held_out.loss;
             baseline["held_out_gap"] = study.baseline.result.held_out.gap();

@@ -4,6 +4,7 @@
 #include "cli/calibration_journal.hpp"
 #include "cli/diagnose_refits.hpp"
 #include "cli/further_instruments.hpp"
+#include "cli/nearest_models.hpp"
 #include "scree/base/error.hpp"
 #include "scree/inference/calibration_loss.hpp"
 
@@ -55,6 +56,11 @@ bool in_space(const std::vector<AnsweredEffect>& effects) {
     return strengths_of(effects) < effects.size();
 }
 
+/// That count in the overall gap.
+std::ptrdiff_t observables_of(const CompareStudy& study) {
+    return std::ranges::count_if(study.observables, &ObservableGap::counts, &ComparedObservable::gap);
+}
+
 /// What acts in a simulation beside the site's own effects.
 struct Acting {
     std::vector<Effect> effects;
@@ -64,7 +70,10 @@ struct Acting {
 class Runner {
 public:
     Runner(const DiagnoseInput& input, DiagnoseStudy& study)
-        : in_(input), study_(study), test_(input.site, input.model, input.observed, study.keys, input.threads) {}
+        : in_(input),
+          study_(study),
+          test_(input.site, input.model, input.observed, study.keys, input.threads),
+          nearest_(GapFunction(input.observed.observations, input.observed.op)) {}
 
     void diagnose_test() {
         study_.baseline = calibrated("baseline", {}, {});
@@ -105,13 +114,23 @@ public:
     }
 
     /// Q of a test is what is left after a linear step of the parameters, so that a model whose Q is small may still be a step away from what it could be.
+    /// And what leaves least in the residual space may leave more over all than what the diagnosis has seen on its way there.
     void tell_without() {
-        for (const CalibrationPoint& point : {study_.tested_point(), study_.asked_point()}) {
+        if (!tell_nearest({study_.tested_point(), study_.asked_point()}) || !study_.told().overall.beyond_chance())
+            return;
+        tell_nearest(nearest_.points());
+    }
+
+    bool tell_nearest(const std::vector<CalibrationPoint>& points) {
+        for (const CalibrationPoint& point : points) {
             MovedModel moved{point, {}, {}};
             moved.study = compared(model_at(point), {}, moved.campaign);
-            if (study_.interrupted) return;
-            if (moved.study.overall.gap < study_.told_gap()) study_.moved = std::move(moved);
+            if (study_.interrupted) return false;
+            if (observables_of(moved.study) >= observables_of(study_.told()) &&
+                moved.study.overall.gap < study_.told().overall.gap)
+                study_.moved = std::move(moved);
         }
+        return true;
     }
 
     /// Every observable of blocks that the fold which predicts them was not fitted to: with the answers, and without.
@@ -239,12 +258,12 @@ private:
         return acting;
     }
 
-    DiagnosisSimulation simulation(const CalibratedModel& model, const DiagnosisCatalogue& catalogue) const {
+    DiagnosisSimulation simulation(const CalibratedModel& model, const DiagnosisCatalogue& catalogue) {
         return simulation(model, catalogue, test_, in_.observed, "");
     }
     /// As `observed` would have measured it, which `how` says in words. Whoever asks the same again gets it from disc.
     DiagnosisSimulation simulation(const CalibratedModel& model, const DiagnosisCatalogue& catalogue,
-                                   const FieldTest& test, const ObservedSite& observed, const std::string& how) const {
+                                   const FieldTest& test, const ObservedSite& observed, const std::string& how) {
         return [this, &catalogue, &test, &observed, how,
                 levels = model.point.levels](const DiagnosisTask& task) -> std::optional<ObservationTable> {
             std::ostringstream words;
@@ -263,7 +282,13 @@ private:
                 if (d.on) words << d.on->from << " " << d.on->to << " ";
             }
             words << task.seed << " " << task.repeats;
-            if (auto kept = in_.store.find(words.str())) return kept;
+            const auto seen = [&](const ObservationTable& table) {
+                if (task.effects.empty() && how.empty()) nearest_.look_at(point, table);
+            };
+            if (auto kept = in_.store.find(words.str())) {
+                seen(*kept);
+                return kept;
+            }
             const SiteFile site = test_.site_at(point);
             const Acting acting = acting_of(task.effects, catalogue, site);
             const CampaignResult campaign =
@@ -272,6 +297,7 @@ private:
             ObservationTable table =
                 simulated_table(campaign, observed.observations, with_faults(observed, acting.effects).op, task.seed);
             in_.store.keep(words.str(), table);
+            seen(table);
             return table;
         };
     }
@@ -492,6 +518,7 @@ private:
     const DiagnoseInput& in_;
     DiagnoseStudy& study_;
     FieldTest test_;
+    NearestModels nearest_;  ///< those tested without effects
 };
 
 /// A journal begins with a line of JSON that says what it belongs to.

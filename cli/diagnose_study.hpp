@@ -115,9 +115,10 @@ struct DiagnoseStudy {
     CalibrationPoint tested_point() const;
     /// What its residuals ask for still: one linear step from there, within the ranges. It was not simulated by the diagnosis.
     CalibrationPoint asked_point() const;
-    /// Of the calibrated parameters, the tested ones and those asked for still, the ones that leave the least over all: told where no answer stands.
+    /// Of the calibrated parameters, the tested ones and those asked for still, and where all of them are beyond chance those of the nearest models seen on the
+    /// way, the ones that leave the least over all: told where no answer stands.
     const CalibrationPoint& told_point() const { return moved ? moved->point : baseline.point; }
-    double told_gap() const { return (moved ? moved->study : before).overall.gap; }
+    const CompareStudy& told() const { return moved ? moved->study : before; }
     DiagnosisVariant variant_of(const EffectFinding& f) const { return catalogue.variant(f.effect, f.variant, f.on); }
 };
 

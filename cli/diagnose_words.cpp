@@ -315,7 +315,7 @@ std::vector<std::string> diagnose_remarks(const DiagnoseStudy& study) {
             remarks.push_back(
                 "the calibration minimises a part of what was measured; all of it together asks for " + elsewhere +
                 ": " + (study.verdict == Verdict::None ? "with that the model could have produced it, and " : "") +
-                "site_extended.toml and results.gpkg have that (gap over all " + gap_number(study.told_gap()) +
+                "site_extended.toml and results.gpkg have that (gap over all " + gap_number(study.told().overall.gap) +
                 "; of the calibrated model " + gap_number(study.before.overall.gap) + ")");
     }
     if (study.baseline.as_followed) remarks.push_back(as_followed_remark("the calibrated model"));

@@ -241,9 +241,7 @@ private:
         return count > 0.0 ? sum / count : kNaN;
     }
 
-    bool counts(std::size_t k) const {
-        return result_.observables[k].observable.overall && std::isfinite(result_.observables[k].pooled.gap);
-    }
+    bool counts(std::size_t k) const { return result_.observables[k].counts(); }
 
     void add_overall() {
         Gap& overall = result_.overall;

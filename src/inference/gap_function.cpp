@@ -38,11 +38,11 @@ ObservationTable GapFunction::simulated(const CampaignResult& campaign, std::uin
     return simulated_table(campaign, observations_, op_, seed);
 }
 
-Discrepancy GapFunction::operator()(const CampaignResult& campaign, std::uint64_t seed) const {
+Discrepancy GapFunction::operator()(const ObservationTable& simulated) const {
     DiscrepancySettings gaps_only;
     gaps_only.draws = 0;
     gaps_only.wasserstein = false;
-    return compare_tables(measured_, simulated(campaign, seed), observables_, scales_, gaps_only);
+    return compare_tables(measured_, simulated, observables_, scales_, gaps_only);
 }
 
 }  // namespace scree

@@ -4,6 +4,7 @@
 #include "scree/inference/distance.hpp"
 #include "scree/inference/observation.hpp"
 
+#include <cmath>
 #include <cstdint>
 #include <optional>
 #include <span>
@@ -99,6 +100,8 @@ struct ObservableGap {
     std::optional<Gap> score;  ///< of matched observables that are no shares
     std::optional<WassersteinGap> wasserstein;
     std::string status;  ///< why there is no gap; empty: there is one
+    /// Is part of the overall gap.
+    bool counts() const { return observable.overall && std::isfinite(pooled.gap); }
 };
 
 struct Discrepancy {

@@ -33,7 +33,10 @@ public:
     ObservationTable simulated(const CampaignResult& campaign, std::uint64_t seed) const;
 
     /// Gaps, distances and floors; intervals, p and Wasserstein distances stay NaN or empty.
-    Discrepancy operator()(const CampaignResult& campaign, std::uint64_t seed) const;
+    Discrepancy operator()(const ObservationTable& simulated) const;
+    Discrepancy operator()(const CampaignResult& campaign, std::uint64_t seed) const {
+        return (*this)(simulated(campaign, seed));
+    }
 
 private:
     Observations observations_;
