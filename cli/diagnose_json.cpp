@@ -121,6 +121,15 @@ std::string diagnose_json(const DiagnoseStudy& study) {
                                  {"severity", f.severity == Severity::Error ? "error" : "warning"},
                                  {"sentence", f.sentence}});
     json["where"] = where_sentences(study);
+    for (const InnovationRow& r : innovation_rows(study))
+        json["restarted"].push_back({{"from", r.from},
+                                     {"to", r.to},
+                                     {"what", r.what},
+                                     {"blocks", r.blocks},
+                                     {"measured", r.measured},
+                                     {"simulated", r.simulated},
+                                     {"standard_errors", r.standardised},
+                                     {"beyond_chance", r.stands_out}});
     if (const std::vector<std::string> force = force_sentences(study); !force.empty()) {
         json["force"]["sentences"] = force;
         Eigen::Index at = 0;

@@ -91,6 +91,10 @@ void print_diagnosis(std::ostream& out, const DiagnoseStudy& study) {
         out << "\nwhere the calibrated model fails (chance of any such finding below "
             << short_number(100.0 * study.settings.level) << " %):\n";
     for (const std::string& s : where) out << "  " << s << "\n";
+    const std::vector<std::string> onward = innovation_sentences(study);
+    if (!onward.empty())
+        out << "\nwhat lies between screens (blocks restarted with the state measured at the first):\n";
+    for (const std::string& s : onward) out << "  " << s << "\n";
     const std::vector<std::string> force = force_sentences(study);
     if (!force.empty()) out << "\nwhat has no name, as a force (fingerprints, after recalibration):\n";
     for (const std::string& s : force) out << "  " << s << "\n";
@@ -182,6 +186,22 @@ std::string moved_html(const DiagnoseStudy& study) {
            html_table({"gap", "calibrated", "told", "chance"}, gaps);
 }
 
+std::string innovations_html(const DiagnoseStudy& study) {
+    std::vector<std::vector<std::string>> rows;
+    for (const InnovationRow& r : innovation_rows(study))
+        rows.push_back({r.from, r.to, r.what, std::to_string(r.blocks), short_number(r.measured),
+                        short_number(r.simulated), short_number(r.standardised), r.stands_out ? "yes" : ""});
+    if (rows.empty()) return "";
+    return "<h2>From screen to screen</h2>\n<p>The calibrated model, restarted at a screen with the speed, height and "
+           "spin that were measured there, and what it does up to the next one: what goes wrong above is left behind. "
+           "Means over the blocks that both are known of; standard errors of their difference, without the "
+           "uncertainty "
+           "of the parameters.</p>\n" +
+           html_table({"from", "to", "what", "blocks", "measured", "simulated", "difference [standard errors]",
+                       "beyond chance for all looks here"},
+                      rows);
+}
+
 std::string consequences_html(const DiagnoseStudy& study, std::size_t answer) {
     std::vector<std::vector<std::string>> rows;
     for (const ScreenChange& c : changes_at_screens(study, answer)) {
@@ -243,6 +263,7 @@ std::string diagnose_html(const DiagnoseStudy& study, const std::vector<Figure>&
         html << "<h2>Where the calibrated model fails</h2>\n<p>Beyond chance at "
              << short_number(100.0 * study.settings.level) << " %, for all looks together.</p>\n"
              << html_list(where);
+    html << innovations_html(study);
     if (const std::vector<std::string> force = force_sentences(study); !force.empty())
         html << "<h2>What has no name, as a force</h2>\n<p>z of the fingerprints of forces along the motion that are "
                 "no effect "

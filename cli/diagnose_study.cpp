@@ -97,6 +97,7 @@ public:
         if (!study_.interrupted) judge_refits(study_);
         if (!study_.interrupted && !study_.answer()) tell_without();
         hold_out();
+        restart_at_screens();
         if (study_.interrupted || !in_.site.settings.diagnosis_further) return;
         if (study_.verdict == Verdict::Unknown) try_forces();
         if (study_.verdict == Verdict::Group) try_instruments_on_group();
@@ -131,6 +132,14 @@ public:
                 study_.moved = std::move(moved);
         }
         return true;
+    }
+
+    void restart_at_screens() {
+        if (study_.interrupted) return;
+        auto innovations =
+            screen_innovations(test_, test_.site_at(study_.baseline.point), in_.observed, study_.campaign);
+        study_.interrupted = !innovations;
+        if (innovations) study_.innovations = std::move(*innovations);
     }
 
     /// Every observable of blocks that the fold which predicts them was not fitted to: with the answers, and without.

@@ -3,6 +3,7 @@
 
 #include "cli/compare_study.hpp"
 #include "cli/diagnose_candidates.hpp"
+#include "cli/diagnose_restarts.hpp"
 #include "cli/field_test.hpp"
 #include "cli/simulation_store.hpp"
 
@@ -88,6 +89,7 @@ struct DiagnoseStudy {
     CompareStudy before;  ///< the calibrated model
     CampaignResult campaign;
     std::vector<Gap> held_out;  ///< of each observable of `before`, of blocks held out; empty without folds or answers
+    std::vector<ScreenInnovation> innovations;  ///< of the calibrated model
     Diagnosis diagnosis;
     std::optional<MovedModel> moved;  ///< where no answer stands: what leaves less over all than the calibrated model
     Verdict verdict = Verdict::None;  ///< after the refits

@@ -10,6 +10,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <numeric>
 #include <optional>
 
@@ -253,6 +254,35 @@ static std::string transfer(const CampaignResult& campaign, const AnsweredEffect
            short_number(heaviest) + " kg at up to " + short_number(sample_quantile(speeds, 0.95)) + " m/s" +
            (e.variant.soil.empty() ? "" : " on " + e.variant.soil) +
            ": it may be carried to ground like this; beyond these masses and speeds it is a guess";
+}
+
+std::vector<InnovationRow> innovation_rows(const DiagnoseStudy& study) {
+    std::vector<InnovationRow> rows;
+    for (const ScreenInnovation& i : study.innovations) {
+        const bool share = i.quantity == Quantity::Passed;
+        const char* what = share                            ? "passing it [%]"
+                           : i.quantity == Quantity::Speed  ? "speed [m/s]"
+                           : i.quantity == Quantity::Height ? "height [m]"
+                           : i.quantity == Quantity::Spin   ? "spin [rad/s]"
+                                                            : "distance along [m]";
+        const double factor = share ? 100.0 : 1.0, z = i.standardised();
+        const double p = std::erfc(std::abs(z) / std::numbers::sqrt2);
+        rows.push_back({study.screens[static_cast<std::size_t>(i.from)],
+                        i.to < 0 ? "the stop" : study.screens[static_cast<std::size_t>(i.to)], what, i.blocks,
+                        factor * i.measured, factor * i.simulated, z,
+                        p * static_cast<double>(study.innovations.size()) <= study.settings.level});
+    }
+    return rows;
+}
+
+std::vector<std::string> innovation_sentences(const DiagnoseStudy& study) {
+    std::vector<std::string> sentences;
+    for (const InnovationRow& r : innovation_rows(study))
+        if (r.stands_out)
+            sentences.push_back("from " + r.from + " to " + r.to + ": " + r.what + " " + short_number(r.measured) +
+                                " measured, " + short_number(r.simulated) + " simulated (" + std::to_string(r.blocks) +
+                                " blocks, " + short_number(std::abs(r.standardised)) + " standard errors)");
+    return sentences;
 }
 
 /// "soil.slope.restitution = 0.02 and not 0.31, ...": what was moved, visibly.

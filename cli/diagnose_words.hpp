@@ -12,6 +12,18 @@ namespace scree::cli {
 std::string verdict_sentence(const DiagnoseStudy& study);
 /// Where the calibrated model and the measurements disagree, beyond chance even for so many looks; a sentence each, worst first.
 std::vector<std::string> where_sentences(const DiagnoseStudy& study);
+/// What lies between two screens, or the last one and the stop, whatever went wrong above.
+struct InnovationRow {
+    std::string from, to;    ///< "ES1-A", "the stop"
+    std::string what;        ///< "speed [m/s]"
+    std::size_t blocks = 0;  ///< [-]
+    double measured = 0.0, simulated = 0.0;
+    double standardised = 0.0;  ///< their difference in standard errors [-]
+    bool stands_out = false;    ///< beyond chance even for so many looks
+};
+std::vector<InnovationRow> innovation_rows(const DiagnoseStudy& study);
+/// Those that stand out, a sentence each.
+std::vector<std::string> innovation_sentences(const DiagnoseStudy& study);
 /// What a reader must know before using the answer, a sentence each.
 std::vector<std::string> diagnose_remarks(const DiagnoseStudy& study);
 

@@ -44,6 +44,16 @@ CampaignResult FieldTest::run(const SiteFile& candidate, std::uint64_t seed, std
     return merged(thrown(plane), thrown(space));
 }
 
+CampaignResult FieldTest::run_from(const SiteFile& candidate, std::uint64_t seed,
+                                   std::span<const std::optional<Departure>> departures) const {
+    CampaignInput input = input_for(input_, candidate, seed, std::ssize(departures) / blocks_, {}, false);
+    for (const std::optional<Departure>& from : departures) {
+        input.thrown.push_back(from.has_value());
+        input.departures.push_back(from.value_or(Departure{}));
+    }
+    return thrown(input);
+}
+
 CampaignInput FieldTest::input_for(CampaignInput input, const SiteFile& candidate, std::uint64_t seed,
                                    std::int64_t repeats, std::span<const Effect> more, bool passages) const {
     input.passages = passages;

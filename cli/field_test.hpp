@@ -5,6 +5,7 @@
 #include "cli/observed_site.hpp"
 #include "cli/space_model.hpp"
 
+#include <optional>
 #include <span>
 
 namespace scree::cli {
@@ -20,6 +21,10 @@ public:
     /// model, this share of the blocks moves in 3D. Interrupted by Ctrl-C.
     CampaignResult run(const SiteFile& candidate, std::uint64_t seed, std::int64_t repeats,
                        std::span<const Effect> more = {}, bool passages = false, double in_space = 0.0) const;
+    /// From where they were seen on their way: block k of the campaign is block k mod n of the test, and without a departure it is not thrown. At least one
+    /// departs.
+    CampaignResult run_from(const SiteFile& candidate, std::uint64_t seed,
+                            std::span<const std::optional<Departure>> departures) const;
     /// Why there is no 3D model of the same; empty: there is.
     const std::string& no_space() const { return space_.none; }
 

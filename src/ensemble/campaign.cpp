@@ -75,15 +75,24 @@ void settle(const CampaignInput& input, std::int64_t number, const TrajectoryEnd
     if (number < input.kept_trajectories) partial.trajectories.push_back(recorder.take_line());
 }
 
+const Departure* departure_of(const CampaignInput& input, std::int64_t number) {
+    return input.departures.empty() ? nullptr : &input.departures[static_cast<std::size_t>(number)];
+}
+
 void run_block_in_space(const CampaignInput& input, const Prepared& prepared, std::int64_t number, BlockResult& result,
                         Partial& partial) {
     const auto key = static_cast<std::uint64_t>(number);
     const PopulationBlock block = draw_block(prepared.population, input.seed, key);
     const Vec2 fixed =
         block.row < 0 ? Vec2::Constant(kNaN) : input.population.list[static_cast<std::size_t>(block.row)].release;
-    BlockState<3> release = draw_release(input.release, *input.area, *input.surface, block.body, input.seed, key,
-                                         result.feature, result.raised, fixed);
-    push_release(input.effects, *input.surface, release);
+    BlockState<3> release;
+    if (const Departure* from = departure_of(input, number)) {
+        release = draw_departure(*from, *input.surface, block.body, input.seed, key, result.raised);
+    } else {
+        release = draw_release(input.release, *input.area, *input.surface, block.body, input.seed, key, result.feature,
+                               result.raised, fixed);
+        push_release(input.effects, *input.surface, release);
+    }
     result.row = block.row;
     result.mass = block.body.mass;
     result.size = block.body.size;
@@ -104,12 +113,20 @@ void run_block_on_profile(const CampaignInput& input, const Prepared& prepared, 
                           BlockResult& result, Partial& partial) {
     const auto key = static_cast<std::uint64_t>(number);
     const PopulationPolygon block = draw_polygon(prepared.population, input.seed, key);
-    const ProfileRelease::Place place = input.profile_release->draw(input.seed, key);
+    const Departure* from = departure_of(input, number);
+    const ProfileRelease::Place place = from
+                                            ? ProfileRelease::Place{static_cast<std::size_t>(from->profile), from->s, 0}
+                                            : input.profile_release->draw(input.seed, key);
     const ProfileTrack& track = input.tracks[place.profile];
     const GroundLine& ground = prepared.grounds[place.profile];
     const std::vector<Effect>& effects = prepared.effects[place.profile];
-    BlockState<2> release = draw_release(input.release, place.s, ground, block.body, input.seed, key, result.raised);
-    push_release(effects, track.profile, release);
+    BlockState<2> release;
+    if (from) {
+        release = draw_departure(*from, ground, block.body, input.seed, key, result.raised);
+    } else {
+        release = draw_release(input.release, place.s, ground, block.body, input.seed, key, result.raised);
+        push_release(effects, track.profile, release);
+    }
     auto on_map = [&](const Vec2& p) -> Vec3 {
         const Vec2 plan = track.profile.place_at(p.x());
         return {plan.x(), plan.y(), p.y()};
@@ -177,6 +194,7 @@ CampaignResult run_campaign(const CampaignInput& input, const CampaignProgress& 
                             const std::atomic<bool>& stop) {
     const bool in_plane = !input.tracks.empty();
     SCREE_ASSERT(in_plane ? input.profile_release != nullptr : input.surface && input.area);
+    SCREE_ASSERT(input.departures.empty() || std::ssize(input.departures) == input.release.count);
     SCREE_ASSERT(input.thrown.empty() || std::ssize(input.thrown) == input.release.count);
     const Prepared prepared(input);
     CampaignResult result;

@@ -149,4 +149,23 @@ BlockState<2> draw_release(const ReleaseSettings& settings, double chainage, con
     return state;
 }
 
+BlockState<2> draw_departure(const Departure& from, const GroundLine& ground, const ConvexPolygon& block,
+                             std::uint64_t seed, std::uint64_t number, double& raised) {
+    RandomStream random(seed, number, RandomPurpose::Orientation);
+    BlockState<2> state, best;
+    state.position = {from.s, from.position.z()};
+    state.velocity = {from.velocity.head<2>().norm(), from.velocity.z()};
+    state.spin[0] = -from.spin;  // angles count from x to z
+    raised = kInfinity;
+    for (int draw = 0; draw < kDepartures && raised > 0.0; ++draw) {
+        state.orientation = 2.0 * std::numbers::pi * random.uniform();
+        const double lift = clearing_lift(block, state, ground, 0.0);
+        if (!(lift < raised)) continue;
+        raised = lift;
+        best = state;
+    }
+    best.position.y() += raised;
+    return best;
+}
+
 }  // namespace scree

@@ -149,6 +149,26 @@ BlockState<3> draw_release(const ReleaseSettings& settings, const ReleaseArea& a
     return state;
 }
 
+BlockState<3> draw_departure(const Departure& from, const Surface& surface, const ConvexBlock& block,
+                             std::uint64_t seed, std::uint64_t number, double& raised) {
+    RandomStream random(seed, number, RandomPurpose::Orientation);
+    BlockState<3> state, best;
+    state.position = from.position;
+    state.velocity = from.velocity;
+    raised = kInfinity;
+    for (int draw = 0; draw < kDepartures && raised > 0.0; ++draw) {
+        state.orientation = uniform_orientation(random);
+        const double lift = clearing_lift(block, state, surface, 0.0);
+        if (!(lift < raised)) continue;
+        raised = lift;
+        best = state;
+    }
+    const Vec3 across = Vec3::UnitZ().cross(from.velocity);  // rolling forward turns about it
+    if (across.norm() > 0.0) best.spin = from.spin * (best.orientation.conjugate() * across.normalized());
+    best.position.z() += raised;
+    return best;
+}
+
 namespace {
 
 /// Slopes under a block are those between points so far on either side [m].

@@ -78,14 +78,14 @@ Outcome diagnose(const fs::path& output, const std::vector<std::string>& more, c
     return scree_program(diagnosis(output, more, free));
 }
 
-/// The same with every measured speed times a factor, as tables.
-fs::path with_speeds(const fs::path& results, const fs::path& folder, double factor) {
+/// The same with every measured speed, or those of one screen, times a factor, as tables.
+fs::path with_speeds(const fs::path& results, const fs::path& folder, double factor, const std::string& at = "") {
     fs::create_directories(folder);
     std::ostringstream crossings, stops;
     crossings << "screen,block_id,speed_ms\n";
     for (const PointRow& c : read_points(results / "results.gpkg", "screen_crossings"))
-        crossings << c.values.at("screen") << ",B" << c.values.at("block") << "," << factor * c.number("speed_ms")
-                  << "\n";
+        crossings << c.values.at("screen") << ",B" << c.values.at("block") << ","
+                  << (at.empty() || c.values.at("screen") == at ? factor : 1.0) * c.number("speed_ms") << "\n";
     put(folder / "screen_crossings.csv", crossings.str());
     stops.precision(12);
     stops << "block_id,mass_kg,l1_m,l2_m,l3_m,easting_m,northing_m\n";
@@ -224,6 +224,22 @@ TEST(Diagnose, WithoutAnAnswerTheLastStepOfTheParametersIsTaken) {
     expect_the_nearest_is_told(out, folder / "field");
 }
 
+// Slower at the second screen alone: blocks that start with what was measured at the first show it there.
+TEST(Diagnose, RestartsAtAScreenShowWhatLiesBelowIt) {
+    const TempDir folder;
+    const fs::path observed = with_speeds(field_test(folder / "field", 24), folder / "obs", 0.7, "ES2-A"),
+                   out = folder / "out";
+    const Outcome run =
+        diagnose(out, {"--observed", observed.string(), "--set", "diagnosis.further=false", "--set", nothing_but({})});
+    ASSERT_EQ(run.code, 0) << run.err;
+    EXPECT_THAT(run.out, HasSubstr("from ES1-A to ES2-A: speed [m/s]"));
+    EXPECT_THAT(text_of(out / "report.html"), HasSubstr("From screen to screen"));
+    const json row = json::parse(text_of(out / "diagnosis.json")).at("restarted").at(1);
+    EXPECT_EQ(row.at("what"), "speed [m/s]");
+    EXPECT_TRUE(row.at("beyond_chance"));
+    EXPECT_LT(row.at("measured").get<double>(), 0.85 * row.at("simulated").get<double>());
+}
+
 TEST(Diagnose, AForceSaysWhatAnEffectWithoutANameDoes) {
     const TempDir folder;
     field_test_with(folder, "kind = \"ground_drag\"\ncoefficient = 2.0\n", 30);
@@ -255,6 +271,9 @@ TEST(Diagnose, FindsNothingInATestOfTheModelItself) {
     EXPECT_THAT(run.out, HasSubstr("=> NONE"));
     EXPECT_THAT(run.out, HasSubstr("what would be seen in 4 of 5 such tests"));
     EXPECT_THAT(text_of(out / "site_extended.toml"), Not(HasSubstr("[[effect]]")));
+    const json restarted = json::parse(text_of(out / "diagnosis.json")).at("restarted");
+    ASSERT_EQ(restarted.size(), 3U) << "who passes the second screen, how fast, and where they stop";
+    for (const json& row : restarted) EXPECT_FALSE(row.at("beyond_chance")) << row;
 
     // byte for byte on any number of threads, and from where it was stopped
     const fs::path again = folder / "again", journal = folder / "again.journal";

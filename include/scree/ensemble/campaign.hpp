@@ -127,6 +127,7 @@ struct CampaignInput {
     BlockPopulation population;
     ReleaseSettings release;
     std::vector<bool> thrown;           ///< which of the release.count blocks are; empty: all
+    std::vector<Departure> departures;  ///< of every block, in place of its release; empty: they are released
     const ReleaseArea* area = nullptr;  ///< 3D
     std::uint64_t seed = 1;
     GridShape result_cells;                           ///< 3D: where passages are counted

@@ -72,6 +72,22 @@ BlockState<3> draw_release(const ReleaseSettings& settings, const ReleaseArea& a
                            const ConvexBlock& block, std::uint64_t seed, std::uint64_t number, std::int64_t& feature,
                            double& raised, const Vec2& fixed = Vec2::Constant(kNaN));
 
+/// A block on its way, in place of a release: where a screen saw it, for example.
+struct Departure {
+    Vec3 position =
+        Vec3::Zero();  ///< of the centre of mass; in 2D its chainage says where that is, and of this only z counts [m]
+    Vec3 velocity = Vec3::Zero();  ///< in 2D forward along the profile, at the same angle [m/s]
+    double spin = 0.0;             ///< about the horizontal across the velocity: positive as it rolls forward [rad/s]
+    std::int32_t profile = -1;     ///< 2D: index of the profile
+    double s = kNaN;               ///< 2D: chainage along it [m]
+};
+
+/// A block there, in a random orientation in which it is free of the ground, as one that was seen there was. Where kDepartures draws find none it is raised in the
+/// one that needs least; `raised` tells by how much [m].
+inline constexpr int kDepartures = 40;
+BlockState<3> draw_departure(const Departure& from, const Surface& surface, const ConvexBlock& block,
+                             std::uint64_t seed, std::uint64_t number, double& raised);
+
 /// What effects of the kind release_motion add to the start: speed along the steepest fall of the ground under the block, spin about the horizontal
 /// across it. Where the ground is level or ends nothing is added.
 void push_release(std::span<const Effect> effects, const Surface& surface, BlockState<3>& state);

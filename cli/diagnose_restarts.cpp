@@ -1,0 +1,226 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "cli/diagnose_restarts.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace scree::cli {
+
+namespace {
+
+/// Simulated crossings of the screens of the observations, in the order in which blocks come to them.
+struct SimulatedScreen {
+    std::int32_t screen = -1;
+    double time = 0.0;  ///< mean since release [s]
+    std::vector<const ScreenCrossing*> crossings;
+};
+
+std::vector<SimulatedScreen> simulated_screens(const ObservationOperator& op, const CampaignResult& campaign) {
+    std::vector<SimulatedScreen> screens(op.screens.size());
+    for (const ScreenCrossing& c : campaign.crossings)
+        screens[static_cast<std::size_t>(op.screen_of[static_cast<std::size_t>(c.screen)])].crossings.push_back(&c);
+    for (std::size_t k = 0; k < screens.size(); ++k) {
+        screens[k].screen = static_cast<std::int32_t>(k);
+        for (const ScreenCrossing* c : screens[k].crossings)
+            screens[k].time += c->time / static_cast<double>(screens[k].crossings.size());
+    }
+    std::erase_if(screens, [](const SimulatedScreen& s) { return s.crossings.empty(); });
+    std::stable_sort(screens.begin(), screens.end(),
+                     [](const SimulatedScreen& a, const SimulatedScreen& b) { return a.time < b.time; });
+    return screens;
+}
+
+/// Value of a table, NaN where there is no such column.
+double value_of(const ObservationTable& table, const Column& column, std::size_t row) {
+    const std::size_t k = table.find(column);
+    return k < table.columns.size() ? table.values[k][row] : kNaN;
+}
+
+/// What blocks of a campaign would have been measured to do, and which block each row is.
+struct Told {
+    ObservationTable table;
+    std::vector<std::int64_t> number;  ///< in the campaign, ascending
+
+    Told(const CampaignResult& campaign, const ObservedSite& observed, std::uint64_t seed)
+        : table(simulated_table(campaign, observed.observations, observed.op, seed)) {
+        for (std::int64_t k = 0; k < std::ssize(campaign.blocks); ++k) {
+            const BlockResult& b = campaign.blocks[static_cast<std::size_t>(k)];
+            if (b.done && b.reason != StopReason::Failed) number.push_back(k);
+        }
+    }
+    double value(const Column& column, std::int64_t block) const {
+        const auto at = std::lower_bound(number.begin(), number.end(), block);
+        return at != number.end() && *at == block
+                   ? value_of(table, column, static_cast<std::size_t>(at - number.begin()))
+                   : kNaN;
+    }
+};
+
+/// A state that a screen has told.
+struct ScreenState {
+    double speed = kNaN, height = kNaN, spin = kNaN;
+};
+
+ScreenState state_of(const ObservationTable& table, std::int32_t screen, std::size_t row) {
+    return {value_of(table, {Quantity::Speed, screen}, row), value_of(table, {Quantity::Height, screen}, row),
+            value_of(table, {Quantity::Spin, screen}, row)};
+}
+
+/// Simulated crossings that a block of the test may be restarted from, but for that of block `not_of` of the campaign.
+std::vector<const ScreenCrossing*> like(const SimulatedScreen& at, std::int64_t block, std::int64_t blocks,
+                                        double speed, std::int64_t not_of) {
+    std::vector<const ScreenCrossing*> own, nearest;
+    for (const ScreenCrossing* c : at.crossings)
+        if (c->block != not_of) (c->block % blocks == block ? own : nearest).push_back(c);
+    if (!own.empty()) return own;
+    std::stable_sort(nearest.begin(), nearest.end(), [&](const ScreenCrossing* a, const ScreenCrossing* b) {
+        return std::abs(a->measured_speed - speed) < std::abs(b->measured_speed - speed);
+    });
+    nearest.resize(std::min(nearest.size(), static_cast<std::size_t>(kRestarts)));
+    return nearest;
+}
+
+Departure departure(const ScreenCrossing& c, const CampaignResult& campaign, const ScreenState& state) {
+    Departure from;
+    from.position = c.position;
+    if (std::isfinite(state.height)) from.position.z() += state.height - c.height;
+    from.velocity = c.velocity * (state.speed / c.velocity.norm());
+    from.spin = std::isfinite(state.spin) ? state.spin : c.spin;
+    from.profile = campaign.blocks[static_cast<std::size_t>(c.block)].profile;
+    from.s = c.s;
+    return from;
+}
+
+/// Mean, and its standard error.
+struct Mean {
+    double sum = 0.0, squares = 0.0, count = 0.0;
+    void add(double v) {
+        sum += v;
+        squares += v * v;
+        count += 1.0;
+    }
+    double mean() const { return sum / count; }
+    double variance() const { return (squares / count - mean() * mean()) / (count - 1.0); }
+};
+
+class Restarts {
+public:
+    Restarts(const FieldTest& test, const SiteFile& site, const ObservedSite& observed, const CampaignResult& campaign)
+        : test_(test),
+          site_(site),
+          observed_(observed),
+          campaign_(campaign),
+          seed_(static_cast<std::uint64_t>(site.settings.seed)),
+          blocks_(std::ssize(observed.observations.blocks)),
+          measured_(measured_table(observed.observations, observed.op)),
+          simulated_(campaign, observed, seed_) {}
+
+    /// False: stopped.
+    bool run(std::vector<ScreenInnovation>& all) {
+        const std::vector<SimulatedScreen> screens = simulated_screens(observed_.op, campaign_);
+        for (std::size_t k = 0; k < screens.size(); ++k) {
+            const std::int32_t to = k + 1 < screens.size() ? screens[k + 1].screen : -1;
+            if (!restart(screens[k], to, all)) return false;
+        }
+        return true;
+    }
+
+private:
+    using Departures = std::vector<std::optional<Departure>>;
+
+    bool restart(const SimulatedScreen& at, std::int32_t to, std::vector<ScreenInnovation>& all) {
+        Departures measured(static_cast<std::size_t>(kRestarts * blocks_)), control = measured;
+        std::vector<std::int64_t> original(measured.size(), -1);  // of each control, in the campaign
+        std::size_t restarted = 0;
+        for (std::size_t row = 0; row < measured_.rows(); ++row) {
+            const std::int64_t block = measured_.block[row];
+            const ScreenState state = state_of(measured_, at.screen, row);
+            if (block < 0 || !(state.speed > 0.0)) continue;
+            const auto from = like(at, block, blocks_, state.speed, -1);
+            for (std::int64_t r = 0; r < kRestarts; ++r)
+                measured[index(r, block)] =
+                    departure(*from[static_cast<std::size_t>(r) % from.size()], campaign_, state);
+            ++restarted;
+        }
+        if (restarted < kLeastRestarted) return true;
+        for (std::size_t row = 0; row < simulated_.number.size(); ++row) {
+            const std::int64_t number = simulated_.number[row], r = number / blocks_, block = number % blocks_;
+            const ScreenState state = state_of(simulated_.table, at.screen, row);
+            if (r >= kRestarts || !(state.speed > 0.0)) continue;
+            const auto from = like(at, block, blocks_, state.speed, number);
+            if (from.empty()) continue;
+            control[index(r, block)] = departure(*from[static_cast<std::size_t>(r) % from.size()], campaign_, state);
+            original[index(r, block)] = number;
+        }
+        const CampaignResult onward = test_.run_from(site_, seed_, measured);
+        if (onward.interrupted) return false;
+        const CampaignResult controls = test_.run_from(site_, seed_, control);
+        if (controls.interrupted) return false;
+        const Told restarts(onward, observed_, seed_), repeated(controls, observed_, seed_);
+        std::vector<Column> columns{{Quantity::Along, -1}};
+        if (to >= 0)
+            columns = {{Quantity::Passed, to}, {Quantity::Speed, to}, {Quantity::Height, to}, {Quantity::Spin, to}};
+        for (const Column& column : columns) {
+            ScreenInnovation innovation = compared(column, restarts, repeated, original);
+            if (innovation.blocks < kLeastRestarted) continue;
+            innovation.from = at.screen;
+            innovation.to = to;
+            all.push_back(innovation);
+        }
+        return true;
+    }
+
+    std::size_t index(std::int64_t repeat, std::int64_t block) const {
+        return static_cast<std::size_t>(repeat * blocks_ + block);
+    }
+
+    ScreenInnovation compared(const Column& column, const Told& restarts, const Told& repeated,
+                              const std::vector<std::int64_t>& original) const {
+        Mean of_measured, difference, lost;
+        for (std::size_t row = 0; row < measured_.rows(); ++row) {
+            const double value = value_of(measured_, column, row);
+            Mean of_block;
+            for (std::int64_t r = 0; r < kRestarts && measured_.block[row] >= 0; ++r)
+                if (const double v = restarts.value(column, r * blocks_ + measured_.block[row]); std::isfinite(v))
+                    of_block.add(v);
+            if (!std::isfinite(value) || of_block.count == 0.0) continue;
+            of_measured.add(value);
+            difference.add(value - of_block.mean());
+        }
+        for (std::size_t k = 0; k < original.size(); ++k) {
+            if (original[k] < 0) continue;
+            const double d =
+                simulated_.value(column, original[k]) - repeated.value(column, static_cast<std::int64_t>(k));
+            if (std::isfinite(d)) lost.add(d);
+        }
+        ScreenInnovation innovation;
+        innovation.quantity = column.quantity;
+        if (lost.count < static_cast<double>(kLeastRestarted)) return innovation;
+        innovation.blocks = static_cast<std::size_t>(difference.count);
+        innovation.measured = of_measured.mean();
+        innovation.simulated = of_measured.mean() - difference.mean() + lost.mean();
+        innovation.error = std::sqrt(difference.variance() + lost.variance());
+        return innovation;
+    }
+
+    const FieldTest& test_;
+    const SiteFile& site_;
+    const ObservedSite& observed_;
+    const CampaignResult& campaign_;
+    std::uint64_t seed_;
+    std::int64_t blocks_;
+    ObservationTable measured_;
+    Told simulated_;
+};
+
+}  // namespace
+
+std::optional<std::vector<ScreenInnovation>> screen_innovations(const FieldTest& test, const SiteFile& site,
+                                                                const ObservedSite& observed,
+                                                                const CampaignResult& campaign) {
+    std::vector<ScreenInnovation> all;
+    if (observed.observations.matched && !Restarts(test, site, observed, campaign).run(all)) return std::nullopt;
+    return all;
+}
+
+}  // namespace scree::cli
