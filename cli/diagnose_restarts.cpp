@@ -3,12 +3,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <span>
 
 namespace scree::cli {
 
 namespace {
 
-/// Simulated crossings of the screens of the observations, in the order in which blocks come to them.
+/// The first simulated crossings of a screen of the observations by every block; screens in the order in which blocks come to them.
 struct SimulatedScreen {
     std::int32_t screen = -1;
     double time = 0.0;  ///< mean since release [s]
@@ -17,8 +18,13 @@ struct SimulatedScreen {
 
 std::vector<SimulatedScreen> simulated_screens(const ObservationOperator& op, const CampaignResult& campaign) {
     std::vector<SimulatedScreen> screens(op.screens.size());
-    for (const ScreenCrossing& c : campaign.crossings)
-        screens[static_cast<std::size_t>(op.screen_of[static_cast<std::size_t>(c.screen)])].crossings.push_back(&c);
+    const std::span<const ScreenCrossing> all = campaign.crossings;
+    for (std::size_t from = 0, to = 0; from < all.size(); from = to) {  // block by block
+        while (to < all.size() && all[to].block == all[from].block) ++to;
+        const auto first = first_crossings(all.subspan(from, to - from), op.screen_of, screens.size());
+        for (std::size_t k = 0; k < screens.size(); ++k)
+            if (first[k]) screens[k].crossings.push_back(first[k]);
+    }
     for (std::size_t k = 0; k < screens.size(); ++k) {
         screens[k].screen = static_cast<std::int32_t>(k);
         for (const ScreenCrossing* c : screens[k].crossings)
