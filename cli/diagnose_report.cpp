@@ -194,9 +194,9 @@ std::string innovations_html(const DiagnoseStudy& study) {
     if (rows.empty()) return "";
     return "<h2>From screen to screen</h2>\n<p>The calibrated model, restarted at a screen with the speed, height and "
            "spin that were measured there, and what it does up to the next one: what goes wrong above is left behind. "
-           "Means over the blocks that both are known of; standard errors of their difference, without the "
-           "uncertainty "
-           "of the parameters.</p>\n" +
+           "What a restart forgets (how a block is turned, whether it rolls) is told by simulated blocks restarted "
+           "alike, and taken off. Means over the blocks that both are known of; standard errors of their difference, "
+           "without those of the parameters.</p>\n" +
            html_table({"from", "to", "what", "blocks", "measured", "simulated", "difference [standard errors]",
                        "beyond chance for all looks here"},
                       rows);
