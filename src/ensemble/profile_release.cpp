@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "scree/ensemble/profile_release.hpp"
 
+#include "ensemble/turned_free.hpp"
+
 #include "scree/base/error.hpp"
 #include "scree/dynamics/trajectory.hpp"
 #include "scree/geometry/region.hpp"
@@ -152,20 +154,13 @@ BlockState<2> draw_release(const ReleaseSettings& settings, double chainage, con
 BlockState<2> draw_departure(const Departure& from, const GroundLine& ground, const ConvexPolygon& block,
                              std::uint64_t seed, std::uint64_t number, double& raised) {
     RandomStream random(seed, number, RandomPurpose::Orientation);
-    BlockState<2> state, best;
+    BlockState<2> state;
     state.position = {from.s, from.position.z()};
     state.velocity = {from.velocity.head<2>().norm(), from.velocity.z()};
     state.spin[0] = -from.spin;  // angles count from x to z
-    raised = kInfinity;
-    for (int draw = 0; draw < kDepartures && raised > 0.0; ++draw) {
-        state.orientation = 2.0 * std::numbers::pi * random.uniform();
-        const double lift = clearing_lift(block, state, ground, 0.0);
-        if (!(lift < raised)) continue;
-        raised = lift;
-        best = state;
-    }
-    best.position.y() += raised;
-    return best;
+    return turned_free(
+        state, [&] { return 2.0 * std::numbers::pi * random.uniform(); },
+        [&](const BlockState<2>& s) { return clearing_lift(block, s, ground, 0.0); }, raised);
 }
 
 }  // namespace scree

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "scree/ensemble/release.hpp"
 
+#include "ensemble/turned_free.hpp"
+
 #include "scree/base/error.hpp"
 #include "scree/dynamics/trajectory.hpp"
 
@@ -152,21 +154,15 @@ BlockState<3> draw_release(const ReleaseSettings& settings, const ReleaseArea& a
 BlockState<3> draw_departure(const Departure& from, const Surface& surface, const ConvexBlock& block,
                              std::uint64_t seed, std::uint64_t number, double& raised) {
     RandomStream random(seed, number, RandomPurpose::Orientation);
-    BlockState<3> state, best;
+    BlockState<3> state;
     state.position = from.position;
     state.velocity = from.velocity;
-    raised = kInfinity;
-    for (int draw = 0; draw < kDepartures && raised > 0.0; ++draw) {
-        state.orientation = uniform_orientation(random);
-        const double lift = clearing_lift(block, state, surface, 0.0);
-        if (!(lift < raised)) continue;
-        raised = lift;
-        best = state;
-    }
+    state = turned_free(
+        state, [&] { return uniform_orientation(random); },
+        [&](const BlockState<3>& s) { return clearing_lift(block, s, surface, 0.0); }, raised);
     const Vec3 across = Vec3::UnitZ().cross(from.velocity);  // rolling forward turns about it
-    if (across.norm() > 0.0) best.spin = from.spin * (best.orientation.conjugate() * across.normalized());
-    best.position.z() += raised;
-    return best;
+    if (across.norm() > 0.0) state.spin = from.spin * (state.orientation.conjugate() * across.normalized());
+    return state;
 }
 
 namespace {

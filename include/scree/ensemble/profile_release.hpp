@@ -74,6 +74,7 @@ private:
 BlockState<2> draw_release(const ReleaseSettings& settings, double chainage, const GroundLine& ground,
                            const ConvexPolygon& block, std::uint64_t seed, std::uint64_t number, double& raised);
 
+/// Of a Departure, on its profile (release.hpp).
 BlockState<2> draw_departure(const Departure& from, const GroundLine& ground, const ConvexPolygon& block,
                              std::uint64_t seed, std::uint64_t number, double& raised);
 
