@@ -1,17 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "cli/diagnose_study.hpp"
 
-#include "cli/calibration_journal.hpp"
+#include "cli/diagnose_models.hpp"
 #include "cli/diagnose_refits.hpp"
 #include "cli/further_instruments.hpp"
 #include "cli/nearest_models.hpp"
-#include "scree/base/error.hpp"
-#include "scree/inference/calibration_loss.hpp"
 
 #include <algorithm>
 #include <cmath>
-#include <filesystem>
-#include <set>
 #include <sstream>
 
 namespace scree::cli {
@@ -23,37 +19,9 @@ constexpr double kLeastStep = 0.03, kMostStep = 0.15, kPlannedStep = 0.08;
 /// Small differences between a few effects need so many times the simulations [-].
 constexpr std::int64_t kGroupRepeats = 4;
 
-/// Position in a range, 0 to 1, by ratios if it is searched so.
-double to_unit(const CalibrationParameter& p, double value) {
-    return p.logarithmic ? std::log(value / p.low) / std::log(p.high / p.low) : (value - p.low) / (p.high - p.low);
-}
-double from_unit(const CalibrationParameter& p, double u) {
-    const double v = p.logarithmic ? p.low * std::pow(p.high / p.low, u) : p.low + u * (p.high - p.low);
-    return std::clamp(v, p.low, p.high);
-}
-
-/// Where a strength is with 95 %, as all residuals of the test say; any that is allowed if they do not. A refit minimises one distance, which often tells
-/// little of a strength: it has to stay here.
-Interval strength_range(const AnsweredEffect& e) {
-    const EffectFinding& f = e.finding;
-    if (!(f.strength_deviation > 0.0) || std::isinf(f.strength_deviation)) return {0.0, e.variant.most};
-    const double reach = kNinetyFive * f.strength_deviation;
-    return {std::max(f.strength - reach, 0.0), std::min(f.strength + reach, e.variant.most)};
-}
-
 /// None where nobody knows which record is of which block.
 std::vector<ObservedBlock> known_blocks(const ObservedSite& observed) {
     return observed.observations.matched ? observed.observations.blocks : std::vector<ObservedBlock>{};
-}
-
-/// How many strengths a refit has to find.
-std::size_t strengths_of(const std::vector<AnsweredEffect>& effects) {
-    return static_cast<std::size_t>(
-        std::count_if(effects.begin(), effects.end(), [](const AnsweredEffect& e) { return e.has_strength(); }));
-}
-
-bool in_space(const std::vector<AnsweredEffect>& effects) {
-    return strengths_of(effects) < effects.size();
 }
 
 /// That count in the overall gap.
@@ -73,13 +41,14 @@ public:
         : in_(input),
           study_(study),
           test_(input.site, input.model, input.observed, study.keys, input.threads),
+          models_(input, study, test_),
           nearest_(GapFunction(input.observed.observations, input.observed.op)) {}
 
     void diagnose_test() {
-        study_.baseline = calibrated("baseline", {}, {});
+        study_.baseline = models_.calibrated("baseline", {}, {});
         if (study_.interrupted) return;
         study_.tested_levels = study_.baseline.point.levels;
-        study_.before = compared(study_.baseline, {}, study_.campaign);
+        study_.before = models_.compared(study_.baseline, {}, study_.campaign);
         if (study_.interrupted) return;
         study_.catalogue = make_candidates(test_.site_at(study_.baseline.point), in_.model, in_.observed, study_.keys,
                                            test_.no_space());
@@ -105,13 +74,14 @@ public:
 
     /// Answers are calibrated from where the diagnosis followed them to. So is the model without them, which stays where it was if that leaves more.
     void calibrate_again() {
-        const CalibratedModel again = calibrated("baseline_again", {}, study_.diagnosis.parameters);
+        const CalibratedModel again = models_.calibrated("baseline_again", {}, study_.diagnosis.parameters);
         if (study_.interrupted) return;
         if (again.result.best_fit.loss < study_.baseline.result.best_fit.loss) {
             study_.baseline = again;
-            study_.before = compared(study_.baseline, {}, study_.campaign);
+            study_.before = models_.compared(study_.baseline, {}, study_.campaign);
         }
-        if (!study_.interrupted) stay_as_followed(again.result, {}, study_.baseline, study_.before, study_.campaign);
+        if (!study_.interrupted)
+            models_.stay_as_followed(again.result, {}, study_.baseline, study_.before, study_.campaign);
     }
 
     /// Q of a test is what is left after a linear step of the parameters, so that a model whose Q is small may still be a step away from what it could be.
@@ -125,7 +95,7 @@ public:
     bool tell_nearest(const std::vector<CalibrationPoint>& points) {
         for (const CalibrationPoint& point : points) {
             MovedModel moved{point, {}, {}};
-            moved.study = compared(model_at(point), {}, moved.campaign);
+            moved.study = models_.compared(model_at(point), {}, moved.campaign);
             if (study_.interrupted) return false;
             if (observables_of(moved.study) >= observables_of(study_.told()) &&
                 moved.study.overall.gap < study_.told().overall.gap)
@@ -144,9 +114,10 @@ public:
 
     /// Every observable of blocks that the fold which predicts them was not fitted to: with the answers, and without.
     void hold_out() {
-        if (!study_.interrupted && !study_.answers.empty()) study_.held_out = held_out_gaps(study_.baseline, {});
+        if (!study_.interrupted && !study_.answers.empty())
+            study_.held_out = models_.held_out_gaps(study_.baseline, {});
         for (AnswerFit& a : study_.answers)
-            if (!study_.interrupted) a.held_out = held_out_gaps(a.model, a.effects);
+            if (!study_.interrupted) a.held_out = models_.held_out_gaps(a.model, a.effects);
     }
 
     /// What has no name: when, where and for which blocks it acts, as forces tell whose fingerprints are held against what the model leaves.
@@ -311,163 +282,9 @@ private:
         };
     }
 
-    /// The effects at the strengths that are the last parameters of a point.
-    std::vector<Effect> dosed(const std::vector<AnsweredEffect>& effects, const CalibrationPoint& point) const {
-        std::vector<Effect> all;
-        const std::size_t strengths = strengths_of(effects);
-        if (strengths == 0) return all;
-        const SiteFile site = test_.site_at(without_strengths(point, strengths));
-        std::size_t next = point.values.size() - strengths;
-        for (const AnsweredEffect& e : effects)
-            if (e.has_strength()) all.push_back(e.variant.on_ground(site.settings.soils).at(point.values[next++]));
-        return all;
-    }
-    static CalibrationPoint without_strengths(CalibrationPoint point, std::size_t count) {
-        point.values.resize(point.values.size() - count);
-        return point;
-    }
-
-    /// The same search for every model: ranges, budget and random numbers; effects add their strengths to the parameters. Begins at these parameters, in the
-    /// unit cube, or where the site has them.
-    CalibratedModel calibrated(const std::string& name, const std::vector<AnsweredEffect>& effects,
-                               const std::vector<double>& begin) {
-        CalibrationProblem problem = study_.keys.problem;
-        for (std::size_t k = 0; k < begin.size(); ++k)
-            problem.parameters[k].start = from_unit(problem.parameters[k], begin[k]);
-        for (std::size_t k = 0; !begin.empty() && k < study_.tested_levels.size(); ++k)
-            problem.choices[k].start = study_.tested_levels[k];
-        std::string stage = effects.empty() ? "calibration" : "refit of";
-        for (const AnsweredEffect& e : effects)
-            stage.append(&e == &effects.front() ? " " : " and ").append(e.candidate->name);
-        const double space = in_space(effects) ? 1.0 : 0.0;
-        const std::size_t strengths = strengths_of(effects);
-        for (const AnsweredEffect& e : effects) {
-            if (!e.has_strength()) continue;
-            const Interval range = strength_range(e);
-            problem.parameters.push_back(
-                {"strength of " + e.candidate->name, range.low, range.high, e.finding.strength, false});
-        }
-        const CalibrationLoss loss(GapFunction(in_.observed.observations, in_.observed.op));
-        problem.records = loss.records();
-        problem.places = loss.places();
-        std::error_code ignored;
-        std::filesystem::create_directories(in_.store.folder(), ignored);
-        const auto file = in_.store.file(name + ".jsonl");
-        JournalFile journal(file, journal_subject(name), std::filesystem::exists(file, ignored));
-        CalibrationJournal all = std::move(journal.journal);
-        const bool faulty = std::any_of(effects.begin(), effects.end(), [](const AnsweredEffect& e) {
-            return e.has_strength() && effect_info(e.variant.kind).hook == EffectHook::Measurement;
-        });
-        CalibratedModel model;
-        model.result = calibrate(
-            problem, study_.search,
-            [&](const CalibrationTask& task) -> std::optional<SimulatedLoss> {
-                const std::vector<Effect> acting = dosed(effects, task.point);
-                const CampaignResult campaign = test_.run(test_.site_at(without_strengths(task.point, strengths)),
-                                                          task.seed, task.repeats, acting, false, space);
-                if (campaign.interrupted) return std::nullopt;
-                if (!faulty) return loss(campaign, task.seed);
-                const CalibrationLoss of_faulty(
-                    GapFunction(in_.observed.observations, with_faults(in_.observed, acting).op));
-                return of_faulty(campaign, task.seed);
-            },
-            all,
-            [&](const CalibrationProgress& p) {
-                journal.write(all);
-                in_.progress(stage, p.done, p.planned);
-            });
-        study_.interrupted = model.result.interrupted;
-        if (study_.interrupted) return model;
-        take_best(model, strengths);
-        model.evaluations = all.size();
-        return model;
-    }
-
-    static void take_best(CalibratedModel& model, std::size_t strengths) {
-        const std::vector<double>& best = model.result.best.values;
-        model.strengths.assign(best.end() - static_cast<std::ptrdiff_t>(strengths), best.end());
-        model.point = without_strengths(model.result.best, strengths);
-    }
-
-    CompareStudy compared(const CalibratedModel& model, const std::vector<AnsweredEffect>& effects,
-                          CampaignResult& campaign) {
-        const std::vector<Effect> acting = dosed(effects, model.result.best);
-        const SiteFile site = test_.site_at(model.point);
-        campaign = test_.run(site, static_cast<std::uint64_t>(site.settings.seed), study_.search.final_repeats, acting,
-                             true, in_space(effects) ? 1.0 : 0.0);
-        study_.interrupted = campaign.interrupted;
-        if (campaign.interrupted) return {};
-        CompareStudy compared = make_study(site, in_.model, with_faults(in_.observed, acting), campaign);
-        compared.repeats = in_.observed.observations.matched ? study_.search.final_repeats : 0;
-        return compared;
-    }
-
-    /// Gaps of the observables, in their order, each block simulated at the parameters of the fold that left it out. Empty without folds, or where nobody knows
-    /// which record is of which block.
-    std::vector<Gap> held_out_gaps(const CalibratedModel& model, const std::vector<AnsweredEffect>& effects) {
-        const std::vector<CalibrationFold>& folds = model.result.folds;
-        if (folds.empty() || !in_.observed.observations.matched) return {};
-        const auto seed = static_cast<std::uint64_t>(in_.site.settings.seed);
-        const GapFunction gaps(in_.observed.observations, in_.observed.op);
-        ObservationTable all;
-        for (std::size_t f = 0; f < folds.size(); ++f) {
-            const std::vector<Effect> acting = dosed(effects, folds[f].point);
-            const CampaignResult campaign =
-                test_.run(test_.site_at(without_strengths(folds[f].point, strengths_of(effects))), seed,
-                          study_.search.final_repeats, acting, false, in_space(effects) ? 1.0 : 0.0);
-            study_.interrupted = campaign.interrupted;
-            if (campaign.interrupted) return {};
-            const ObservationTable table =
-                simulated_table(campaign, in_.observed.observations, with_faults(in_.observed, acting).op, seed);
-            add_rows(table, folds[f].held_out, gaps.measured(), all);
-            in_.progress("blocks held out", f + 1, folds.size());
-        }
-        std::vector<Gap> of_each;
-        const DiscrepancySettings settings{in_.site.settings.observed.draws, seed, true};
-        for (const ObservableGap& gap :
-             compare_tables(gaps.measured(), all, gaps.observables(), column_scales(all), settings).observables)
-            of_each.push_back(gap.pooled);
-        return of_each;
-    }
-
-    /// Those of the blocks of these records.
-    static void add_rows(const ObservationTable& table, const std::vector<std::size_t>& records,
-                         const ObservationTable& measured, ObservationTable& all) {
-        if (all.columns.empty()) {
-            all.columns = table.columns;
-            all.values.resize(table.columns.size());
-        }
-        std::set<std::int32_t> chosen;
-        for (const std::size_t record : records)
-            if (record < measured.rows()) chosen.insert(measured.block[record]);  // others are counts
-        for (std::size_t row = 0; row < table.rows(); ++row) {
-            if (!chosen.contains(table.block[row])) continue;
-            all.block.push_back(table.block[row]);
-            for (std::size_t k = 0; k < table.columns.size(); ++k) all.values[k].push_back(table.values[k][row]);
-        }
-    }
-
-    /// A refit minimises a part of what is compared, and may end far from the rest. Where it began, at what was followed, all measurements had their part. One
-    /// rule for the model with and without effects. Blocks held out were predicted by refits either way.
-    void stay_as_followed(const CalibrationResult& refit, const std::vector<AnsweredEffect>& effects,
-                          CalibratedModel& model, CompareStudy& compared_model, CampaignResult& campaign) {
-        if (!is_far_beyond(compared_model)) return;
-        CalibratedModel followed = model;
-        followed.result.best = refit.start;
-        followed.result.best_fit = refit.start_fit;
-        followed.as_followed = true;
-        take_best(followed, followed.strengths.size());
-        CampaignResult of_followed;
-        CompareStudy study = compared(followed, effects, of_followed);
-        if (study_.interrupted || !(study.overall.gap < compared_model.overall.gap)) return;
-        model = std::move(followed);
-        compared_model = std::move(study);
-        campaign = std::move(of_followed);
-    }
-
     /// What an answer changes for whoever builds at a screen is asked where that stands, and not where it is said to have stood in the test.
     bool throw_on_the_ground(AnswerFit& fit, const SiteFile& site) {
-        std::vector<Effect> acting = dosed(fit.effects, fit.model.result.best);
+        std::vector<Effect> acting = models_.dosed(fit.effects, fit.model.result.best);
         if (std::erase_if(acting, [](const Effect& e) { return e.kind == EffectKind::ScreenShift; }) == 0) return true;
         fit.campaign = test_.run(site, static_cast<std::uint64_t>(site.settings.seed), study_.search.final_repeats,
                                  acting, true, in_space(fit.effects) ? 1.0 : 0.0);
@@ -485,8 +302,8 @@ private:
         for (EffectFinding f : findings) {
             f.strength_deviation = kNaN;
             const std::vector<AnsweredEffect> one{answered(f)};
-            const CalibratedModel alone =
-                calibrated("alone_" + one.front().candidate->name + "_" + std::to_string(f.variant), one, f.parameters);
+            const CalibratedModel alone = models_.calibrated(
+                "alone_" + one.front().candidate->name + "_" + std::to_string(f.variant), one, f.parameters);
             if (study_.interrupted) return;
             if (!alone.result.folds.empty()) fit.loss_of_one = std::min(fit.loss_of_one, alone.result.held_out.loss);
         }
@@ -500,11 +317,12 @@ private:
             name +=
                 (name.empty() ? "" : "_and_") + fit.effects.back().candidate->name + "_" + std::to_string(f.variant);
         }
-        fit.model = calibrated(name, fit.effects, findings.front().parameters);
+        fit.model = models_.calibrated(name, fit.effects, findings.front().parameters);
         if (!study_.interrupted && findings.size() > 1) hold_against_one(findings, fit);
         if (study_.interrupted) return;
-        fit.study = compared(fit.model, fit.effects, fit.campaign);
-        if (!study_.interrupted) stay_as_followed(fit.model.result, fit.effects, fit.model, fit.study, fit.campaign);
+        fit.study = models_.compared(fit.model, fit.effects, fit.campaign);
+        if (!study_.interrupted)
+            models_.stay_as_followed(fit.model.result, fit.effects, fit.model, fit.study, fit.campaign);
         if (study_.interrupted) return;
         const std::size_t first = fit.model.result.parameters.size() - fit.model.strengths.size();
         const SiteFile site = test_.site_at(fit.model.point);
@@ -522,23 +340,12 @@ private:
         study_.answers.push_back(std::move(fit));
     }
 
-    std::string journal_subject(const std::string& name) const;
-
     const DiagnoseInput& in_;
     DiagnoseStudy& study_;
     FieldTest test_;
+    DiagnosedModels models_;
     NearestModels nearest_;  ///< those tested without effects
 };
-
-/// A journal begins with a line of JSON that says what it belongs to.
-std::string Runner::journal_subject(const std::string& name) const {
-    std::string quoted;
-    for (const char c : in_.store.subject() + " " + name) {
-        if (c == '"' || c == '\\') quoted += '\\';
-        quoted += c == '\n' ? ' ' : c;
-    }
-    return "{\"diagnosis\":\"" + quoted + "\"}";
-}
 
 }  // namespace
 

@@ -407,6 +407,29 @@ TEST(Diagnose, InSpaceItHasMapsOfBeforeAndAfter) {
     EXPECT_NE(before.sum, after.sum);
 }
 
+// No name is found, and the layers are those of the parameters that are told.
+TEST(Diagnose, InSpaceWhatIsToldHasAMap) {
+    const TempDir folder;
+    field_test_with(folder, "kind = \"ground_drag\"\ncoefficient = 2.0\n", 8, 3);
+    const fs::path out = folder / "out";
+    const Outcome run = diagnose(out,
+                                 {"--observed", (folder / "field").string(), "--free", "soil.*.rolling=0.01:0.3:log",
+                                  "--set", "model.dimension=3", "--set", "diagnosis.reference_repeats=12", "--set",
+                                  "diagnosis.further=false", "--set", nothing_but({})},
+                                 kRestitution);
+    ASSERT_EQ(run.code, 0) << run.err;
+    EXPECT_THAT(run.out, HasSubstr("=> UNKNOWN"));
+    const json baseline = json::parse(text_of(out / "diagnosis.json")).at("baseline");
+    EXPECT_NE(baseline.at("told"), baseline.at("calibrated"));
+    EXPECT_TRUE(fs::exists(out / "figures/told_map.svg"));
+    const RasterFacts told = raster_facts(out / "rasters" / "reach_probability_told.tif"),
+                      calibrated = raster_facts(out / "rasters" / "reach_probability_calibrated.tif");
+    EXPECT_TRUE(told.finite);
+    EXPECT_LE(told.high, 1.0);
+    EXPECT_NE(told.sum, calibrated.sum);
+    expect_the_nearest_is_told(out, folder / "field");
+}
+
 TEST(Diagnose, StopsAtMeasurementsThatCannotBe) {
     const TempDir folder;
     fs::create_directories(folder / "obs");
