@@ -93,10 +93,11 @@ void Svg::image(const Box2& pixels, const std::string& uri) {
 
 void Svg::mask_outside(const Box2& pixels) {
     const SvgPen white{.fill = "#ffffff"};
-    box({Vec2::Zero(), {width_, pixels.min.y()}}, white);
-    box({{0.0, pixels.max.y()}, {width_, height_}}, white);
+    const Vec2 end(width_ + 1.0, height_ + 1.0);  // renderers round the size of a picture up
+    box({Vec2::Zero(), {end.x(), pixels.min.y()}}, white);
+    box({{0.0, pixels.max.y()}, end}, white);
     box({{0.0, pixels.min.y()}, {pixels.min.x(), pixels.max.y()}}, white);
-    box({{pixels.max.x(), pixels.min.y()}, {width_, pixels.max.y()}}, white);
+    box({{pixels.max.x(), pixels.min.y()}, {end.x(), pixels.max.y()}}, white);
 }
 
 std::string Svg::text() const {
