@@ -6,8 +6,8 @@ Usage: checks.py SCREE FOLDER [--cases N] [--parallel N]
 
 For up to N cases each:
   mixed    blocks' numbers are mixed up in the measurements: no effect of mass may be named (restitution_mass, rolling_size), nor be in a group
-  shuffled rows in another order, other times of the files, another folder: the same diagnosis
-  without  the effect that was rightly named is said to be absent: no other may be named; UNKNOWN and GROUP are right, NONE says too little
+  shuffled rows in another order, other times of the files, another folder, other names of site and blocks: the same diagnosis
+  without  the effect that was rightly named is said to be absent: UNKNOWN and GROUP are right; another name is wrong, and NONE says too little
 That data of another seed with nothing hidden give NONE is what tier 5 counts (score.py).
 """
 import argparse
@@ -17,6 +17,7 @@ import hashlib
 import json
 import os
 import random
+import re
 import shutil
 import subprocess
 import sys
@@ -25,11 +26,17 @@ from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 OF_MASS = {"restitution_mass", "rolling_size"}
+TIME = 1.5e9  # of all files of a copy; those of a case have another (EPOCH in generate.py)
 
 
 def said(diagnosis):
-    """All of it but the hashes of the files."""
-    return {key: value for key, value in diagnosis.items() if key != "inputs"}
+    """All of it but the hashes of the files and the name of the site."""
+    return {key: value for key, value in diagnosis.items() if key not in ("inputs", "site")}
+
+
+def renamed(text, old, new):
+    """Block B007 becomes X007, or back: in the same order, which is that of the random numbers."""
+    return re.sub(rf"\b{old}(\d{{3}})\b", rf"{new}\1", text)
 
 
 def diagnose(args, case, change=None, sets=()):
@@ -38,7 +45,10 @@ def diagnose(args, case, change=None, sets=()):
         folder = Path(name) / "another"
         shutil.copytree(case, folder)
         site = folder / "site.toml"
-        site.write_text(site.read_text().replace("../../sites", str(args.folder.resolve() / "sites")))
+        text = site.read_text().replace("../../sites", str(args.folder.resolve() / "sites"))
+        site.write_text(re.sub(r'name = "Case \d+"', 'name = "Elsewhere"', text))
+        for table in [folder / "blocks.csv", *(folder / "observed").iterdir()]:
+            table.write_text(renamed(table.read_text(), "B", "X"))
         tables = {}
         for table in sorted((folder / "observed").iterdir()):
             with open(table, newline="", encoding="utf-8") as file:
@@ -49,14 +59,15 @@ def diagnose(args, case, change=None, sets=()):
         for table, (header, rows) in tables.items():
             with open(table, "w", newline="", encoding="utf-8") as file:
                 csv.writer(file, lineterminator="\n").writerows([header, *rows])
-            os.utime(table, (1e9, 1e9))
+        for file in folder.rglob("*"):
+            os.utime(file, (TIME, TIME))
         line = [args.scree, "diagnose", str(site), "--observed", str(folder / "observed"), "--output", f"{name}/out", "--threads", "1", "--quiet"]
         for key in [*args.settings, *sets]:
             line += ["--set", key]
         done = subprocess.run(line, capture_output=True, text=True)
         if done.returncode:
             sys.exit(f"{case}: {done.stderr}")
-        return said(json.loads((Path(name) / "out" / "diagnosis.json").read_text()))
+        return said(json.loads(renamed((Path(name) / "out" / "diagnosis.json").read_text(), "X", "B")))
 
 
 def mix(tables):
@@ -113,8 +124,9 @@ def main():
         answers = list(pool.map(lambda job: diagnose(args, job[0], None, [f"diagnosis.without={json.dumps(job[1])}"]), without[:args.cases]))
         verdicts = ", ".join(f"{verdict} {count}" for verdict, count in collections.Counter(f["verdict"] for f in answers).most_common())
         another = sum(bool(names(f)) for f in answers)
-        print(f"without: another effect is named in {another} of {len(answers)} ({verdicts})", flush=True)
-    sys.exit(1 if of_mass or another or not all(same) else 0)
+        nothing = sum(f["verdict"] == "NONE" for f in answers)
+        print(f"without: another effect is named in {another} of {len(answers)}" + (f" ({verdicts})" if answers else ""), flush=True)
+    sys.exit(1 if of_mass or another or nothing or not all(same) else 0)
 
 
 if __name__ == "__main__":

@@ -5,7 +5,7 @@
 Usage: find.py SCREE FOLDER [--parallel N] [--set KEY=VALUE ...]
 
 Writes FOLDER/found/NNNN.json (diagnosis.json of the program); what is there is not done again. FOLDER/finder.json says which program with which settings:
-another one needs another folder. Refuses a case whose sealed file has no hash in FOLDER/sealed.sha256: the truth must be fixed before.
+another one needs another folder. Refuses a case whose sealed file is not the one whose hash is in FOLDER/sealed.sha256: the truth must be fixed before.
 """
 import argparse
 import hashlib
@@ -28,8 +28,10 @@ def diagnose(args, case):
     found = args.folder / "found" / f"{case.name}.json"
     if found.exists():
         return
-    if f"sealed/{case.name}.json" not in (args.folder / "sealed.sha256").read_text():
-        sys.exit(f"case {case.name} is not sealed")
+    sealed = f"sealed/{case.name}.json"
+    fixed = hashlib.sha256((args.folder / sealed).read_bytes()).hexdigest()
+    if f"{fixed}  {sealed}\n" not in (args.folder / "sealed.sha256").read_text():
+        sys.exit(f"case {case.name} is not sealed, or its truth is not the one that was")
     begin = time.process_time(), time.monotonic()
     with tempfile.TemporaryDirectory() as folder:
         line = [args.scree, "diagnose", str(case / "site.toml"), "--observed", str(case / "observed"), "--output", f"{folder}/out", "--threads",

@@ -45,6 +45,8 @@ def main():
         said = run("score.py", folder)
         assert said.startswith("2 cases, of which nothing hidden in 1"), said
         print(said)
+        checked = run("checks.py", sys.argv[1], folder, "--cases", "1")
+        assert "shuffled: the same diagnosis in 1 of 1" in checked, checked
         kept = Path(folder) / "kept"
         run("keep.py", str(kept), folder)
         shutil.unpack_archive(kept / "run.tar.xz", kept)
