@@ -63,7 +63,8 @@ Json answer_json(const DiagnoseStudy& study, const AnswerFit& a, const AnsweredE
               {"together", a.effects.size() > 1},
               {"weight", a.weight()},
               {"gap_fitted", a.model.result.best_fit.gap()},
-              {"gap_over_all", a.study.overall.gap}};
+              {"gap_over_all", a.study.overall.gap},
+              {"gap_over_all_chance_95", ends_of(a.study.overall.chance)}};
     if (v.on) {
         json["between_m"] = Json::array({v.on->from, v.on->to});
         json["middle_interval_95_m"] = ends_of(middle_interval(e));
@@ -81,7 +82,7 @@ Json answer_json(const DiagnoseStudy& study, const AnswerFit& a, const AnsweredE
         json["observables"].push_back({{"name", before.observable.name},
                                        {"gap_calibrated", before.pooled.gap},
                                        {"gap", after.pooled.gap},
-                                       {"chance_95", ends_of(before.pooled.chance)}});
+                                       {"chance_95", ends_of(after.pooled.chance)}});
         if (k < study.held_out.size() && k < a.held_out.size()) {
             json["observables"].back()["held_out_gap_calibrated"] = study.held_out[k].gap;
             json["observables"].back()["held_out_gap"] = a.held_out[k].gap;
@@ -121,6 +122,7 @@ std::string diagnose_json(const DiagnoseStudy& study) {
                                  {"severity", f.severity == Severity::Error ? "error" : "warning"},
                                  {"sentence", f.sentence}});
     json["where"] = where_sentences(study);
+    json["restarted"] = Json::array();
     for (const InnovationRow& r : innovation_rows(study))
         json["restarted"].push_back({{"from", r.from},
                                      {"to", r.to},
@@ -186,9 +188,17 @@ std::string diagnose_json(const DiagnoseStudy& study) {
             baseline["tested"][key] = tested[k];
             if (told) baseline["told"][key] = study.told_point().values[k];
         }
+        for (std::size_t k = 0; k < study.keys.problem.choices.size(); ++k) {
+            const CalibrationChoice& c = study.keys.problem.choices[k];
+            baseline["calibrated"][c.name] = c.levels[study.baseline.point.levels[k]];
+            baseline["tested"][c.name] = c.levels[study.tested_levels[k]];
+            if (told) baseline["told"][c.name] = c.levels[study.told_point().levels[k]];
+        }
         baseline["gap_fitted"] = study.baseline.result.best_fit.gap();
         baseline["gap_over_all"] = study.before.overall.gap;
+        baseline["gap_over_all_chance_95"] = ends_of(study.before.overall.chance);
         if (told) baseline["gap_over_all_told"] = study.told().overall.gap;
+        if (told) baseline["gap_over_all_told_chance_95"] = ends_of(study.told().overall.chance);
         if (!study.baseline.result.folds.empty()) {
             baseline["held_out_loss"] = study.baseline.result.held_out.loss;
             baseline["held_out_gap"] = study.baseline.result.held_out.gap();

@@ -48,6 +48,19 @@ void add_rows(const ObservationTable& table, const std::vector<std::size_t>& rec
     }
 }
 
+/// What a search said of the parameters that it ended with holds for no others.
+void forget_estimates(CalibrationResult& result, const std::vector<CalibrationParameter>& parameters,
+                      const std::vector<AnsweredEffect>& effects) {
+    std::vector<Interval> ranges;
+    for (const CalibrationParameter& p : parameters) ranges.push_back({p.low, p.high});
+    for (const AnsweredEffect& e : effects)
+        if (e.has_strength()) ranges.push_back(strength_range(e));
+    for (std::size_t k = 0; k < result.parameters.size() && k < ranges.size(); ++k) {
+        const double value = result.best.values[k];
+        result.parameters[k] = {value, ranges[k], Identification::Not, value <= ranges[k].low, value >= ranges[k].high};
+    }
+}
+
 }  // namespace
 
 double to_unit(const CalibrationParameter& p, double value) {
@@ -159,6 +172,7 @@ void DiagnosedModels::stay_as_followed(const CalibrationResult& refit, const std
     CampaignResult of_followed;
     CompareStudy study = compared(followed, effects, of_followed);
     if (study_.interrupted || !(study.overall.gap < compared_model.overall.gap)) return;
+    forget_estimates(followed.result, study_.keys.problem.parameters, effects);
     model = std::move(followed);
     compared_model = std::move(study);
     campaign = std::move(of_followed);

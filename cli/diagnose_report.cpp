@@ -45,15 +45,20 @@ void print_power(std::ostream& out, const DiagnoseStudy& study) {
 namespace {
 
 void print_answers(std::ostream& out, const DiagnoseStudy& study) {
-    out << "\n" << padded("", 34) << "gap of what is fitted   held out   gap over all   weight\n";
-    out << padded("calibrated model", 34) << padded(gap_number(study.baseline.result.best_fit.gap()), 24)
-        << padded(held_out_text(study.baseline), 11) << padded(gap_number(study.before.overall.gap), 15)
+    constexpr std::size_t kFitted = 24, kHeldOut = 11, kOverAll = 29;
+    const auto over_all = [](const CompareStudy& compared) {
+        return padded(gap_number(compared.overall.gap) + " (" + chance_text(compared.overall) + ")", kOverAll);
+    };
+    out << "\n"
+        << padded("", 34) << padded("gap of what is fitted", kFitted) << padded("held out", kHeldOut)
+        << padded("gap over all (95 % of chance)", kOverAll) << "  weight\n";
+    out << padded("calibrated model", 34) << padded(gap_number(study.baseline.result.best_fit.gap()), kFitted)
+        << padded(held_out_text(study.baseline), kHeldOut) << over_all(study.before) << "  "
         << weight_text(study.diagnosis.weight_none) << "\n";
     for (const AnswerFit& a : study.answers)
-        out << padded("with " + a.name(), 34) << padded(gap_number(a.model.result.best_fit.gap()), 24)
-            << padded(held_out_text(a.model), 11) << padded(gap_number(a.study.overall.gap), 15)
-            << weight_text(a.weight()) << "\n";
-    out << padded("something without a name", 34) << std::string(24 + 11 + 15, ' ')
+        out << padded("with " + a.name(), 34) << padded(gap_number(a.model.result.best_fit.gap()), kFitted)
+            << padded(held_out_text(a.model), kHeldOut) << over_all(a.study) << "  " << weight_text(a.weight()) << "\n";
+    out << padded("something without a name", 34) << std::string(kFitted + kHeldOut + kOverAll + 2, ' ')
         << weight_text(study.diagnosis.weight_unnamed) << "\n";
     for (const AnswerFit& a : study.answers) {
         for (const AnsweredEffect& e : a.effects)
@@ -153,10 +158,10 @@ std::string gaps_html(const DiagnoseStudy& study, const AnswerFit& a) {
         const bool told = k < study.held_out.size() && k < a.held_out.size();
         rows.push_back({b.gap.observable.name, gap_number(b.gap.pooled.gap), gap_number(w.gap.pooled.gap),
                         told ? gap_number(study.held_out[k].gap) : "", told ? gap_number(a.held_out[k].gap) : "",
-                        chance_text(b.gap.pooled)});
+                        chance_text(w.gap.pooled)});
     }
     rows.push_back({"all", gap_number(study.before.overall.gap), gap_number(a.study.overall.gap), "", "",
-                    chance_text(study.before.overall)});
+                    chance_text(a.study.overall)});
     if (!study.baseline.result.folds.empty())
         rows.push_back({"what was fitted", gap_number(study.baseline.result.best_fit.gap()),
                         gap_number(a.model.result.best_fit.gap()), held_out_text(study.baseline),
@@ -175,6 +180,11 @@ std::string moved_html(const DiagnoseStudy& study) {
     for (std::size_t k = 0; k < study.keys.problem.parameters.size(); ++k)
         parameters.push_back({study.keys.problem.parameters[k].name, short_number(study.baseline.point.values[k]),
                               short_number(study.moved->point.values[k])});
+    for (std::size_t k = 0; k < study.keys.problem.choices.size(); ++k) {
+        const CalibrationChoice& c = study.keys.problem.choices[k];
+        parameters.push_back(
+            {c.name, c.levels[study.baseline.point.levels[k]], c.levels[study.moved->point.levels[k]]});
+    }
     const CompareStudy &before = study.before, &moved = study.moved->study;
     for (std::size_t k = 0; k < before.observables.size(); ++k)
         gaps.push_back({before.observables[k].gap.observable.name, gap_number(before.observables[k].gap.pooled.gap),
@@ -192,11 +202,13 @@ std::string innovations_html(const DiagnoseStudy& study) {
         rows.push_back({r.from, r.to, r.what, std::to_string(r.blocks), short_number(r.measured),
                         short_number(r.simulated), short_number(r.standardised), r.stands_out ? "yes" : ""});
     if (rows.empty()) return "";
-    return "<h2>From screen to screen</h2>\n<p>The calibrated model, restarted at a screen with the speed, height and "
-           "spin that were measured there, and what it does up to the next one: what goes wrong above is left behind. "
-           "What a restart forgets (how a block is turned, whether it rolls) is told by simulated blocks restarted "
-           "alike, and taken off. Means over the blocks that both are known of; standard errors of their difference, "
-           "without those of the parameters.</p>\n" +
+    const std::string model = study.moved ? "The model with the parameters that are told" : "The calibrated model";
+    return "<h2>From screen to screen</h2>\n<p>" + model +
+           ", restarted at a screen with what was measured there of speed, height and spin, and what it does up to the "
+           "next one: what goes wrong above is left behind, but for where along the screen blocks cross it, which is "
+           "as simulated. What a restart forgets (how a block is turned, whether it rolls) is told by simulated blocks "
+           "restarted alike, and taken off. Means over the blocks that both are known of; standard errors of their "
+           "difference, without those of the parameters. The verdict does not ask for it.</p>\n" +
            html_table({"from", "to", "what", "blocks", "measured", "simulated", "difference [standard errors]",
                        "beyond chance for all looks here"},
                       rows);

@@ -9,31 +9,23 @@ namespace scree::cli {
 
 namespace {
 
-/// The first simulated crossings of a screen of the observations by every block; screens in the order in which blocks come to them.
-struct SimulatedScreen {
-    std::int32_t screen = -1;
-    double time = 0.0;  ///< mean since release [s]
-    std::vector<const ScreenCrossing*> crossings;
-};
-
-std::vector<SimulatedScreen> simulated_screens(const ObservationOperator& op, const CampaignResult& campaign) {
-    std::vector<SimulatedScreen> screens(op.screens.size());
+/// The first simulated crossings of each screen of the observations by every block.
+std::vector<std::vector<const ScreenCrossing*>> simulated_crossings(const ObservationOperator& op,
+                                                                    const CampaignResult& campaign) {
+    std::vector<std::vector<const ScreenCrossing*>> screens(op.screens.size());
     const std::span<const ScreenCrossing> all = campaign.crossings;
     for (std::size_t from = 0, to = 0; from < all.size(); from = to) {  // block by block
         while (to < all.size() && all[to].block == all[from].block) ++to;
         const auto first = first_crossings(all.subspan(from, to - from), op.screen_of, screens.size());
         for (std::size_t k = 0; k < screens.size(); ++k)
-            if (first[k]) screens[k].crossings.push_back(first[k]);
+            if (first[k]) screens[k].push_back(first[k]);
     }
-    for (std::size_t k = 0; k < screens.size(); ++k) {
-        screens[k].screen = static_cast<std::int32_t>(k);
-        for (const ScreenCrossing* c : screens[k].crossings)
-            screens[k].time += c->time / static_cast<double>(screens[k].crossings.size());
-    }
-    std::erase_if(screens, [](const SimulatedScreen& s) { return s.crossings.empty(); });
-    std::stable_sort(screens.begin(), screens.end(),
-                     [](const SimulatedScreen& a, const SimulatedScreen& b) { return a.time < b.time; });
     return screens;
+}
+
+double variance_of_mean(const Eigen::ArrayXd& values) {
+    const auto n = static_cast<double>(values.size());
+    return (values - values.mean()).square().sum() / (n * (n - 1.0));
 }
 
 /// Value of a table, NaN where there is no such column.
@@ -73,10 +65,10 @@ ScreenState state_of(const ObservationTable& table, std::int32_t screen, std::si
 }
 
 /// Simulated crossings that a block of the test may be restarted from, but for that of block `not_of` of the campaign.
-std::vector<const ScreenCrossing*> like(const SimulatedScreen& at, std::int64_t block, std::int64_t blocks,
-                                        double speed, std::int64_t not_of) {
+std::vector<const ScreenCrossing*> like(const std::vector<const ScreenCrossing*>& at, std::int64_t block,
+                                        std::int64_t blocks, double speed, std::int64_t not_of) {
     std::vector<const ScreenCrossing*> own, nearest;
-    for (const ScreenCrossing* c : at.crossings)
+    for (const ScreenCrossing* c : at)
         if (c->block != not_of) (c->block % blocks == block ? own : nearest).push_back(c);
     if (!own.empty()) return own;
     std::stable_sort(nearest.begin(), nearest.end(), [&](const ScreenCrossing* a, const ScreenCrossing* b) {
@@ -97,18 +89,6 @@ Departure departure(const ScreenCrossing& c, const CampaignResult& campaign, con
     return from;
 }
 
-/// Mean, and its standard error.
-struct Mean {
-    double sum = 0.0, squares = 0.0, count = 0.0;
-    void add(double v) {
-        sum += v;
-        squares += v * v;
-        count += 1.0;
-    }
-    double mean() const { return sum / count; }
-    double variance() const { return (squares / count - mean() * mean()) / (count - 1.0); }
-};
-
 class Restarts {
 public:
     Restarts(const FieldTest& test, const SiteFile& site, const ObservedSite& observed, const CampaignResult& campaign)
@@ -123,24 +103,28 @@ public:
 
     /// False: stopped.
     bool run(std::vector<ScreenInnovation>& all) {
-        const std::vector<SimulatedScreen> screens = simulated_screens(observed_.op, campaign_);
-        for (std::size_t k = 0; k < screens.size(); ++k) {
-            const std::int32_t to = k + 1 < screens.size() ? screens[k + 1].screen : -1;
-            if (!restart(screens[k], to, all)) return false;
-        }
+        const auto crossings = simulated_crossings(observed_.op, campaign_);
+        std::vector<std::int32_t> passed;  // by anybody
+        for (std::size_t k = 0; k < crossings.size(); ++k)
+            if (!crossings[k].empty()) passed.push_back(static_cast<std::int32_t>(k));
+        for (std::size_t k = 0; k < passed.size(); ++k)
+            if (!restart(passed[k], crossings[static_cast<std::size_t>(passed[k])],
+                         k + 1 < passed.size() ? passed[k + 1] : -1, all))
+                return false;
         return true;
     }
 
 private:
     using Departures = std::vector<std::optional<Departure>>;
 
-    bool restart(const SimulatedScreen& at, std::int32_t to, std::vector<ScreenInnovation>& all) {
+    bool restart(std::int32_t screen, const std::vector<const ScreenCrossing*>& at, std::int32_t to,
+                 std::vector<ScreenInnovation>& all) {
         Departures measured(static_cast<std::size_t>(kRestarts * blocks_)), control = measured;
         std::vector<std::int64_t> original(measured.size(), -1);  // of each control, in the campaign
         std::size_t restarted = 0;
         for (std::size_t row = 0; row < measured_.rows(); ++row) {
             const std::int64_t block = measured_.block[row];
-            const ScreenState state = state_of(measured_, at.screen, row);
+            const ScreenState state = state_of(measured_, screen, row);
             if (block < 0 || !(state.speed > 0.0)) continue;
             const auto from = like(at, block, blocks_, state.speed, -1);
             for (std::int64_t r = 0; r < kRestarts; ++r)
@@ -151,7 +135,7 @@ private:
         if (restarted < kLeastRestarted) return true;
         for (std::size_t row = 0; row < simulated_.number.size(); ++row) {
             const std::int64_t number = simulated_.number[row], r = number / blocks_, block = number % blocks_;
-            const ScreenState state = state_of(simulated_.table, at.screen, row);
+            const ScreenState state = state_of(simulated_.table, screen, row);
             if (r >= kRestarts || !(state.speed > 0.0)) continue;
             const auto from = like(at, block, blocks_, state.speed, number);
             if (from.empty()) continue;
@@ -169,7 +153,7 @@ private:
         for (const Column& column : columns) {
             ScreenInnovation innovation = compared(column, restarts, repeated, original);
             if (innovation.blocks < kLeastRestarted) continue;
-            innovation.from = at.screen;
+            innovation.from = screen;
             innovation.to = to;
             all.push_back(innovation);
         }
@@ -182,30 +166,31 @@ private:
 
     ScreenInnovation compared(const Column& column, const Told& restarts, const Told& repeated,
                               const std::vector<std::int64_t>& original) const {
-        Mean of_measured, difference, lost;
+        RestartedBlocks blocks(column.quantity == Quantity::Passed);
         for (std::size_t row = 0; row < measured_.rows(); ++row) {
             const double value = value_of(measured_, column, row);
-            Mean of_block;
+            std::vector<double> of_block;
             for (std::int64_t r = 0; r < kRestarts && measured_.block[row] >= 0; ++r)
                 if (const double v = restarts.value(column, r * blocks_ + measured_.block[row]); std::isfinite(v))
-                    of_block.add(v);
-            if (!std::isfinite(value) || of_block.count == 0.0) continue;
-            of_measured.add(value);
-            difference.add(value - of_block.mean());
+                    of_block.push_back(v);
+            if (std::isfinite(value) && !of_block.empty()) blocks.add(value, of_block);
         }
+        std::vector<double> lost;
         for (std::size_t k = 0; k < original.size(); ++k) {
             if (original[k] < 0) continue;
             const double d =
                 simulated_.value(column, original[k]) - repeated.value(column, static_cast<std::int64_t>(k));
-            if (std::isfinite(d)) lost.add(d);
+            if (std::isfinite(d)) lost.push_back(d);
         }
         ScreenInnovation innovation;
         innovation.quantity = column.quantity;
-        if (lost.count < static_cast<double>(kLeastRestarted)) return innovation;
-        innovation.blocks = static_cast<std::size_t>(difference.count);
-        innovation.measured = of_measured.mean();
-        innovation.simulated = of_measured.mean() - difference.mean() + lost.mean();
-        innovation.error = std::sqrt(difference.variance() + lost.variance());
+        if (std::min(lost.size(), blocks.blocks()) < kLeastRestarted) return innovation;
+        const Eigen::Map<const Eigen::ArrayXd> forgotten(lost.data(), std::ssize(lost));
+        innovation.blocks = blocks.blocks();
+        innovation.measured = blocks.measured();
+        innovation.simulated = blocks.simulated() + forgotten.mean();
+        if (column.quantity == Quantity::Passed) innovation.simulated = std::clamp(innovation.simulated, 0.0, 1.0);
+        innovation.error = std::sqrt(blocks.variance() + variance_of_mean(forgotten));
         return innovation;
     }
 
@@ -220,6 +205,27 @@ private:
 };
 
 }  // namespace
+
+void RestartedBlocks::add(double measured, std::span<const double> restarts) {
+    const Eigen::Map<const Eigen::ArrayXd> values(restarts.data(), std::ssize(restarts));
+    const auto count = static_cast<double>(restarts.size());
+    const double mean = values.mean(), chance = (values.sum() + 0.5) / (count + 1.0);
+    measured_ += measured;
+    simulated_ += mean;
+    differences_.push_back(measured - mean);
+    of_shares_ += chance * (1.0 - chance) * (1.0 + 1.0 / count);
+    within_ += (values - mean).square().sum();
+    freedom_ += count - 1.0;
+    weight_ += 1.0 + 1.0 / count;
+}
+
+double RestartedBlocks::variance() const {
+    const double n = static_cast<double>(blocks());
+    const double as_blocks_differ =
+        variance_of_mean(Eigen::Map<const Eigen::ArrayXd>(differences_.data(), std::ssize(differences_)));
+    if (shares_) return std::max({of_shares_ / (n * n), 1.0 / (n * n), as_blocks_differ});
+    return std::max(freedom_ > 0.0 ? within_ / freedom_ * weight_ / (n * n) : 0.0, as_blocks_differ);
+}
 
 std::optional<std::vector<ScreenInnovation>> screen_innovations(const FieldTest& test, const SiteFile& site,
                                                                 const ObservedSite& observed,

@@ -106,8 +106,8 @@ public:
 
     void restart_at_screens() {
         if (study_.interrupted) return;
-        auto innovations =
-            screen_innovations(test_, test_.site_at(study_.baseline.point), in_.observed, study_.campaign);
+        auto innovations = screen_innovations(test_, test_.site_at(study_.told_point()), in_.observed,
+                                              study_.moved ? study_.moved->campaign : study_.campaign);
         study_.interrupted = !innovations;
         if (innovations) study_.innovations = std::move(*innovations);
     }

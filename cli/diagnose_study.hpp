@@ -89,7 +89,7 @@ struct DiagnoseStudy {
     CompareStudy before;  ///< the calibrated model
     CampaignResult campaign;
     std::vector<Gap> held_out;  ///< of each observable of `before`, of blocks held out; empty without folds or answers
-    std::vector<ScreenInnovation> innovations;  ///< of the calibrated model
+    std::vector<ScreenInnovation> innovations;  ///< of the model at told_point()
     Diagnosis diagnosis;
     std::optional<MovedModel> moved;  ///< where no answer stands: what leaves less over all than the calibrated model
     Verdict verdict = Verdict::None;  ///< after the refits
@@ -117,7 +117,7 @@ struct DiagnoseStudy {
     CalibrationPoint tested_point() const;
     /// What its residuals ask for still: one linear step from there, within the ranges. It was not simulated by the diagnosis.
     CalibrationPoint asked_point() const;
-    /// Of the calibrated parameters, the tested ones and those asked for still, and where all of them are beyond chance those of the nearest models seen on the
+    /// Of the calibrated parameters, the tested ones and those asked for still, and where the best of them is beyond chance those of the nearest models seen on the
     /// way, the ones that leave the least over all: told where no answer stands.
     const CalibrationPoint& told_point() const { return moved ? moved->point : baseline.point; }
     const CompareStudy& told() const { return moved ? moved->study : before; }

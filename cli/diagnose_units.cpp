@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <numbers>
 #include <optional>
 
@@ -27,7 +28,7 @@ double percent_within(const std::vector<double>& values, double from, double to)
     return 100.0 * static_cast<double>(inside) / static_cast<double>(values.size());
 }
 
-/// Of one observable alone: share, mean, spread, stops in a stretch.
+/// Of one observable alone: share, stops in a stretch.
 std::optional<Pair> of_observable(const Residual& r, const ComparedObservable& o) {
     const auto share = [](double measured, double simulated, std::size_t of) {
         return Pair{"", measured, simulated, std::sqrt(simulated * (100.0 - simulated) / static_cast<double>(of)),
@@ -40,11 +41,6 @@ std::optional<Pair> of_observable(const Residual& r, const ComparedObservable& o
     if (r.kind == ResidualKind::Window)
         return share(percent_within(o.measured, r.from, r.to), percent_within(o.simulated, r.from, r.to),
                      o.measured.size());
-    const SampleSummary &m = o.measured_summary, &s = o.simulated_summary;
-    const double error = m.deviation / std::sqrt(static_cast<double>(o.measured.size()));
-    if (r.kind == ResidualKind::Level) return Pair{"mean ", m.mean, s.mean, error, " " + o.unit};
-    if (r.kind == ResidualKind::Spread)
-        return Pair{"standard deviation ", m.deviation, s.deviation, error / std::numbers::sqrt2, " " + o.unit};
     return std::nullopt;
 }
 
@@ -94,6 +90,29 @@ double covariate(ResidualKind kind, const ObservedBlock& b) {
 const std::vector<double>* column_of(const ObservationTable& table, const Column& column) {
     const std::size_t k = table.find(column);
     return k < table.columns.size() ? &table.values[k] : nullptr;
+}
+
+/// Mean or spread of those that have the value: a block that did not come to a screen has no speed there, which is not one of 0.
+std::optional<Pair> of_values(const DiagnoseStudy& study, const Residual& r) {
+    const auto known = [&](const ObservationTable& table) {
+        std::vector<double> values;
+        if (const std::vector<double>* all = column_of(table, r.column))
+            std::copy_if(all->begin(), all->end(), std::back_inserter(values),
+                         [](double v) { return std::isfinite(v); });
+        return values;
+    };
+    const std::vector<double> measured = known(study.before.measured), simulated = known(study.before.simulated);
+    if (std::min(measured.size(), simulated.size()) < 2) return std::nullopt;
+    const auto mean = [](const std::vector<double>& values) {
+        return Eigen::Map<const Eigen::ArrayXd>(values.data(), std::ssize(values)).mean();
+    };
+    const auto deviation = [&](const std::vector<double>& values) {
+        const Eigen::Map<const Eigen::ArrayXd> all(values.data(), std::ssize(values));
+        return std::sqrt((all - all.mean()).square().sum() / static_cast<double>(values.size() - 1));
+    };
+    const double error = deviation(measured) / std::sqrt(static_cast<double>(measured.size()));
+    if (r.kind == ResidualKind::Level) return Pair{"mean ", mean(measured), mean(simulated), error, ""};
+    return Pair{"standard deviation ", deviation(measured), deviation(simulated), error / std::numbers::sqrt2, ""};
 }
 
 std::optional<Pair> of_trend(const DiagnoseStudy& study, const Residual& r) {
@@ -162,6 +181,10 @@ std::optional<Pair> pair_of(const DiagnoseStudy& study, const Residual& r) {
         unit = " " + o.unit;
     }
     switch (r.kind) {
+        case ResidualKind::Level:
+        case ResidualKind::Spread:
+            pair = of_values(study, r);
+            break;
         case ResidualKind::MassTrend:
         case ResidualKind::ShapeTrend:
         case ResidualKind::OrderTrend:

@@ -3,6 +3,7 @@
 
 #include "cli/diagnose_extended.hpp"
 #include "cli/diagnose_further.hpp"
+#include "cli/diagnose_models.hpp"
 #include "cli/diagnose_refits.hpp"
 #include "cli/diagnose_units.hpp"
 #include "cli/text.hpp"
@@ -278,7 +279,7 @@ std::vector<InnovationRow> innovation_rows(const DiagnoseStudy& study) {
 std::vector<std::string> innovation_sentences(const DiagnoseStudy& study) {
     std::vector<std::string> sentences;
     for (const InnovationRow& r : innovation_rows(study))
-        if (r.stands_out)
+        if (r.stands_out && study.verdict != Verdict::None)
             sentences.push_back("from " + r.from + " to " + r.to + ": " + r.what + " " + short_number(r.measured) +
                                 " measured, " + short_number(r.simulated) + " simulated (" + std::to_string(r.blocks) +
                                 " blocks, " + short_number(std::abs(r.standardised)) + " standard errors)");
@@ -287,15 +288,23 @@ std::vector<std::string> innovation_sentences(const DiagnoseStudy& study) {
 
 /// "soil.slope.restitution = 0.02 and not 0.31, ...": what was moved, visibly.
 static std::string moved_parameters(const DiagnoseStudy& study) {
-    const std::vector<double>&calibrated = study.baseline.point.values, told = study.told_point().values;
+    const CalibrationPoint &calibrated = study.baseline.point, &told = study.told_point();
+    const CalibrationProblem& problem = study.keys.problem;
     std::string text;
-    for (std::size_t k = 0; k < calibrated.size() && k < told.size(); ++k) {
-        const CalibrationParameter& p = study.keys.problem.parameters[k];
-        if (std::abs(told[k] - calibrated[k]) < kMoved * (p.high - p.low)) continue;
-        text += (text.empty() ? "" : ", ") + p.name + " = " + short_number(told[k]) + " and not " +
-                short_number(calibrated[k]);
+    const auto add = [&](const std::string& name, const std::string& now, const std::string& before) {
+        text += (text.empty() ? "" : ", ") + name + " = " + now + " and not " + before;
+    };
+    for (std::size_t k = 0; k < problem.parameters.size(); ++k) {
+        const CalibrationParameter& p = problem.parameters[k];
+        if (std::abs(to_unit(p, told.values[k]) - to_unit(p, calibrated.values[k])) >= kMoved)
+            add(p.name, short_number(told.values[k]), short_number(calibrated.values[k]));
     }
-    return text;
+    for (std::size_t k = 0; k < problem.choices.size(); ++k) {
+        const CalibrationChoice& c = problem.choices[k];
+        if (told.levels[k] != calibrated.levels[k])
+            add(c.name, c.levels[told.levels[k]], c.levels[calibrated.levels[k]]);
+    }
+    return text.empty() ? "parameters that are nearly the calibrated ones" : text;
 }
 
 static std::string as_followed_remark(const std::string& model) {
@@ -339,14 +348,13 @@ std::vector<std::string> diagnose_remarks(const DiagnoseStudy& study) {
                               " of the calibrated model lies on the edge of its range: a missing "
                               "effect often drives it there");
     }
-    if (!study.planning && (study.verdict == Verdict::None || study.verdict == Verdict::Unknown)) {
-        const std::string elsewhere = moved_parameters(study);
-        if (!elsewhere.empty())
-            remarks.push_back(
-                "the calibration minimises a part of what was measured; all of it together asks for " + elsewhere +
-                ": " + (study.verdict == Verdict::None ? "with that the model could have produced it, and " : "") +
-                "site_extended.toml and results.gpkg have that (gap over all " + gap_number(study.told().overall.gap) +
-                "; of the calibrated model " + gap_number(study.before.overall.gap) + ")");
+    if (study.moved) {
+        remarks.push_back("the calibration minimises a part of what was measured; all of it together asks for " +
+                          moved_parameters(study) + ": " +
+                          (study.verdict == Verdict::None ? "with that the model could have produced it, and " : "") +
+                          "site_extended.toml and results.gpkg have that (gap over all " +
+                          gap_number(study.told().overall.gap) + "; of the calibrated model " +
+                          gap_number(study.before.overall.gap) + ")");
     }
     if (study.baseline.as_followed) remarks.push_back(as_followed_remark("the calibrated model"));
     for (const AnswerFit& a : study.answers) {

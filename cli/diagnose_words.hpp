@@ -12,7 +12,7 @@ namespace scree::cli {
 std::string verdict_sentence(const DiagnoseStudy& study);
 /// Where the calibrated model and the measurements disagree, beyond chance even for so many looks; a sentence each, worst first.
 std::vector<std::string> where_sentences(const DiagnoseStudy& study);
-/// What lies between two screens, or the last one and the stop, whatever went wrong above.
+/// What lies between two screens, or the last one and the stop, whatever went wrong above: what stands out of the table, if the verdict is not NONE.
 struct InnovationRow {
     std::string from, to;    ///< "ES1-A", "the stop"
     std::string what;        ///< "speed [m/s]"

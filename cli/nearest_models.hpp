@@ -15,7 +15,7 @@ class NearestModels {
 public:
     explicit NearestModels(GapFunction gaps) : gaps_(std::move(gaps)) {}
 
-    /// `table` is what the test would have measured at `point`.
+    /// `table` is what the test would have measured at `point`. Of a point that is seen again what more blocks say counts.
     void look_at(const CalibrationPoint& point, const ObservationTable& table);
     /// At most kKept, the nearest first.
     std::vector<CalibrationPoint> points() const;
@@ -26,6 +26,7 @@ private:
     struct Seen {
         std::ptrdiff_t observables = 0;  ///< that count in the overall gap [-]
         double excess = 0.0;
+        std::size_t rows = 0;  ///< simulated [-]
         CalibrationPoint point;
         bool nearer_than(const Seen& other) const {
             return observables != other.observables ? observables > other.observables : excess < other.excess;

@@ -72,39 +72,6 @@ TEST(DiagnoseWords, WhereTheThirdDimensionIsNearest3DSaysMore) {
         Contains(HasSubstr("confirm with model.dimension = 3, which also looks for what acts beside the third")));
 }
 
-// Residuals count once the parameters fit the rest: means that are equal, or the other way round, say something else.
-TEST(DiagnoseWords, MeansAreToldWhereTheySayWhatTheResidualSays) {
-    DiagnoseStudy study = unknown({0.9}, 0.3);
-    const Column speed{Quantity::Speed, 0};
-    study.screens = {"ES1"};
-    study.diagnosis.residuals.push_back({ResidualKind::Level, speed, {}});
-    study.diagnosis.score.standardised = Eigen::VectorXd::Constant(1, 3.85);
-    study.diagnosis.test.residual_p = Eigen::VectorXd::Constant(1, 0.004);
-    ComparedObservable& o = study.before.observables.emplace_back();
-    o.gap.observable.columns = {speed};
-    o.unit = "m/s";
-    o.measured.assign(25, 5.0);
-    o.simulated.assign(100, 5.0);
-    o.measured_summary = {5.0, 2.0, {}};  // a standard error of 0.4
-    const auto sentence_with = [&](double simulated) {
-        o.simulated_summary.mean = simulated;
-        return where_sentences(study).front();
-    };
-    const std::string parameters = "speed at ES1 is larger than simulated, once the parameters fit the rest (3.85";
-    EXPECT_THAT(sentence_with(5.5), StartsWith(parameters));
-    EXPECT_THAT(sentence_with(4.7), StartsWith(parameters));
-    EXPECT_THAT(sentence_with(4.5),
-                StartsWith("speed at ES1 is larger than simulated: mean 5 m/s measured, 4.5 m/s simulated (3.85"));
-
-    study.diagnosis.residuals.front().kind = ResidualKind::Spread;
-    o.simulated_summary = {5.0, 1.2, {}};  // a standard error of 0.28
-    EXPECT_THAT(where_sentences(study).front(),
-                StartsWith("spread of speed at ES1 is wider than simulated: standard deviation 2 m/s measured, 1.2 m/s "
-                           "simulated (3.85"));
-    o.simulated_summary.deviation = 1.8;
-    EXPECT_THAT(where_sentences(study).front(), HasSubstr("once the parameters fit the rest"));
-}
-
 TEST(DiagnoseWords, StopsInAStretchAreToldAsShares) {
     DiagnoseStudy study = unknown({0.9}, 0.3);
     const Column along{Quantity::Along, -1};
@@ -154,6 +121,37 @@ struct SixBlocks {
         return where_sentences(study).front();
     }
 };
+
+// Residuals count once the parameters fit the rest: means that are equal, or the other way round, say something else.
+TEST(DiagnoseWords, MeansAreToldWhereTheySayWhatTheResidualSays) {
+    SixBlocks test;
+    const std::vector<double> measured{3.0, 4.0, 5.0, 5.0, 6.0, 7.0},
+        other(6, 9.0);  // mean 5, a standard error of 0.58
+    const auto sentence_with = [&](double factor, double shift, ResidualKind kind = ResidualKind::Level) {
+        std::vector<double> simulated;
+        for (const double v : measured) simulated.push_back(5.0 + shift + factor * (v - 5.0));
+        test.set({measured, other}, {simulated, other});
+        return test.sentence({kind, test.first, {}}, 3.85);
+    };
+    const std::string parameters = "speed at ES1 is larger than simulated, once the parameters fit the rest (3.85";
+    EXPECT_THAT(sentence_with(1.0, 0.5), StartsWith(parameters));
+    EXPECT_THAT(sentence_with(1.0, -0.5), StartsWith(parameters));
+    EXPECT_THAT(sentence_with(1.0, -0.7),
+                StartsWith("speed at ES1 is larger than simulated: mean 5 m/s measured, 4.3 m/s simulated (3.85"));
+    EXPECT_THAT(
+        sentence_with(0.5, 0.0, ResidualKind::Spread),
+        StartsWith("spread of speed at ES1 is wider than simulated: standard deviation 1.41 m/s measured, 0.707 "
+                   "m/s simulated (3.85"));
+    EXPECT_THAT(sentence_with(0.8, 0.0, ResidualKind::Spread), HasSubstr("once the parameters fit the rest"));
+}
+
+TEST(DiagnoseWords, MeansAreOfTheBlocksThatPassed) {
+    SixBlocks test;
+    test.set({{10.0, 11.0, 9.0, kNaN, kNaN, kNaN}, std::vector<double>(6, 9.0)},
+             {{8.0, 8.5, 7.5, 8.0, 8.0, kNaN}, std::vector<double>(6, 9.0)});
+    EXPECT_THAT(test.sentence({ResidualKind::Level, test.first, {}}, 4.0),
+                StartsWith("speed at ES1 is larger than simulated: mean 10 m/s measured, 8 m/s simulated (4"));
+}
 
 TEST(DiagnoseWords, TrendsAreToldPerDoubling) {
     SixBlocks test;
