@@ -3,6 +3,7 @@
 #include "cli/commands.hpp"
 #include "cli/diagnose_consequences.hpp"
 #include "cli/diagnose_extended.hpp"
+#include "cli/diagnose_models.hpp"
 #include "cli/diagnose_report.hpp"
 #include "cli/diagnose_where.hpp"
 #include "cli/progress.hpp"
@@ -21,9 +22,6 @@ namespace scree::cli {
 namespace {
 
 namespace fs = std::filesystem;
-
-/// What `--full` multiplies: simulations of the diagnosis, and of a search each; searches are twice as many and twice as long.
-constexpr std::int64_t kFull = 3;
 
 /// Restitution, friction and rolling resistance of every soil, where the site does not say what is free.
 std::vector<std::string> usual_free_keys(const SiteFile& site) {
@@ -187,16 +185,6 @@ gis::ResultsPackage results_of(const DiagnoseStudy& study, const SiteModel& mode
     return package;
 }
 
-DiagnosisSettings settings_of(const SiteFile& site, bool full) {
-    DiagnosisSettings settings = site.settings.diagnosis;
-    settings.seed = static_cast<std::uint64_t>(site.settings.seed);
-    if (full) {
-        settings.reference_repeats *= kFull;
-        settings.repeats *= kFull;
-    }
-    return settings;
-}
-
 /// Before hours of calibration: residuals need so many rows.
 void require_enough_blocks(const Context& context, const ObservedSite& observed) {
     const Observations& o = observed.observations;
@@ -230,16 +218,9 @@ ExitCode run_diagnose(const Context& context) {
         throw InputError("a diagnosis asks what no parameter can make up for, and choices alone (" + listed(free) +
                          ") are none: free a number as well, as in --free soil.NAME.rolling=0.002:0.15:log");
     check_absent_effects(site.settings);
-    study.settings = settings_of(site, context.full);
-    study.search = site.settings.calibration.search;
-    study.search.seed = study.settings.seed;
-    if (context.full) {
-        study.search.starts *= 2;
-        study.search.generations *= 2;
-        study.search.repeats *= kFull;
-    }
-    study.search = with_budget_of(
-        study.search, study.keys.problem.parameters.size() + 1);  // of one effect; the model without has no less
+    const DiagnoseBudget budget = diagnose_budget(site.settings, study.keys.problem.parameters.size(), context.full);
+    study.settings = budget.test;
+    study.search = budget.search;
 
     const SiteModel model = load_site(site);
     print_warnings(context, model.warnings);

@@ -14,6 +14,8 @@ namespace scree::cli {
 
 namespace {
 
+constexpr std::int64_t kFull = 3;
+
 /// How many strengths a refit has to find.
 std::size_t strengths_of(const std::vector<AnsweredEffect>& effects) {
     return static_cast<std::size_t>(
@@ -62,6 +64,20 @@ void forget_estimates(CalibrationResult& result, const std::vector<CalibrationPa
 }
 
 }  // namespace
+
+DiagnoseBudget diagnose_budget(const SiteSettings& site, std::size_t free_parameters, bool full) {
+    DiagnoseBudget budget{site.diagnosis, site.calibration.search};
+    budget.test.seed = budget.search.seed = static_cast<std::uint64_t>(site.seed);
+    if (full) {
+        budget.test.reference_repeats *= kFull;
+        budget.test.repeats *= kFull;
+        budget.search.starts *= 2;
+        budget.search.generations *= 2;
+        budget.search.repeats *= kFull;
+    }
+    budget.search = with_budget_of(budget.search, free_parameters + 1);  // of one effect; the model without has no less
+    return budget;
+}
 
 double to_unit(const CalibrationParameter& p, double value) {
     return p.logarithmic ? std::log(value / p.low) / std::log(p.high / p.low) : (value - p.low) / (p.high - p.low);

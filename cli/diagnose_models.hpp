@@ -9,6 +9,14 @@
 /// The models of a diagnosis: the site with or without the effects of an answer, calibrated, simulated, and held against blocks that it was not fitted to.
 namespace scree::cli {
 
+/// Simulations for the verdict, and for the calibration of every model with and without an answer.
+struct DiagnoseBudget {
+    DiagnosisSettings test;
+    CalibrationSettings search;
+};
+/// As the site has them. `full`: three times the simulations for the verdict, twice as many searches of twice the length, with three times the blocks.
+DiagnoseBudget diagnose_budget(const SiteSettings& site, std::size_t free_parameters, bool full);
+
 /// Position in a range, 0 to 1, by ratios if it is searched so.
 double to_unit(const CalibrationParameter& p, double value);
 /// The value there, within the range.

@@ -2,6 +2,8 @@
 // Whether an answer survives its refit: the gap that is left over all, and the blocks that were held out.
 #include "cli/diagnose_refits.hpp"
 
+#include "cli/diagnose_models.hpp"
+
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -38,6 +40,17 @@ DiagnoseStudy study_of(std::vector<AnswerFit> answers) {
     study.baseline.result.folds.resize(2);
     study.baseline.result.held_out.loss = 1.0;
     return study;
+}
+
+TEST(DiagnoseBudget, FullSearchesLongerWithMoreBlocks) {
+    const SiteSettings site;
+    const DiagnoseBudget usual = diagnose_budget(site, 2, false), full = diagnose_budget(site, 2, true);
+    EXPECT_EQ(full.test.reference_repeats, 3 * usual.test.reference_repeats);
+    EXPECT_EQ(full.test.repeats, 3 * usual.test.repeats);
+    EXPECT_EQ(full.search.starts, 2 * usual.search.starts);
+    EXPECT_EQ(full.search.generations, 2 * usual.search.generations);
+    EXPECT_EQ(full.search.repeats, 3 * usual.search.repeats);
+    EXPECT_EQ(full.search.seed, full.test.seed);
 }
 
 TEST(DiagnoseRefits, AnAnswerThatClosesTheGapAndPredictsBetterStays) {

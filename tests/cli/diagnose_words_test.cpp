@@ -122,6 +122,61 @@ struct SixBlocks {
     }
 };
 
+TEST(DiagnoseWords, EveryVerdictHasItsSentence) {
+    DiagnoseStudy study = unknown({0.5, 0.45}, 0.3);
+    study.verdict = Verdict::None;
+    EXPECT_EQ(verdict_sentence(study),
+              "NONE: the calibrated model could have produced these measurements (p = 0.002); nothing is missing that "
+              "they could show");
+    for (const DiagnosisCandidate& c : study.catalogue.candidates) {
+        AnswerFit& fit = study.answers.emplace_back();
+        fit.effects.push_back({&c, c.variants.front(), {}, 0.0, {}});
+        fit.effects.back().variant.label = "linear";
+        fit.model.result.held_out.loss = -1.0;
+    }
+    study.catalogue.candidates[0].title = "soft ground";
+    study.verdict = Verdict::Group;
+    EXPECT_EQ(verdict_sentence(study), "GROUP: ground_drag or soil_patch; these measurements cannot tell them apart");
+    const std::vector<std::string> remarks = diagnose_remarks(study);
+    EXPECT_THAT(remarks, Contains(HasSubstr("site_extended_2.toml is the site with soil_patch")));
+    EXPECT_THAT(remarks, Contains(StartsWith("ground_drag would show in "))) << "which measurement would tell";
+    study.answers.pop_back();
+    study.verdict = Verdict::Named;
+    EXPECT_EQ(verdict_sentence(study), "NAMED: ground_drag, linear (soft ground)");
+    EXPECT_THAT(diagnose_remarks(study), Contains("the name is the best of 2 that were searched"));
+    study.verdict = Verdict::DataProblem;
+    EXPECT_EQ(verdict_sentence(study),
+              "DATA PROBLEM: ground_drag, linear; check how it was measured before anything else");
+    study.answers.clear();
+    EXPECT_EQ(verdict_sentence(study), "DATA PROBLEM: the measurements cannot be used as they are");
+}
+
+TEST(DiagnoseWords, BetweenScreensNothingIsToldBesideNone) {
+    DiagnoseStudy study = unknown({0.9}, 0.3);
+    study.screens = {"ES1", "ES2"};
+    study.innovations.push_back({0, 1, Quantity::Speed, 20, 8.0, 10.0, 0.4});
+    EXPECT_THAT(innovation_sentences(study),
+                testing::ElementsAre("from ES1 to ES2: speed [m/s] 8 measured, 10 simulated (20 blocks, 5 standard "
+                                     "errors)"));
+    study.verdict = Verdict::None;
+    EXPECT_TRUE(innovation_sentences(study).empty());
+    EXPECT_TRUE(innovation_rows(study).front().stands_out) << "the table has it";
+}
+
+// Parameters that are searched by ratios have moved by ratios; choices that were moved are told.
+TEST(DiagnoseWords, WhatWasMovedIsTold) {
+    DiagnoseStudy study = unknown({0.9}, 0.3);
+    study.keys.problem.parameters = {{"soil.a.rolling", 0.002, 0.15, 0.05, true},
+                                     {"soil.a.friction", 0.3, 0.9, 0.5, false}};
+    study.keys.problem.choices = {{"blocks.shape", {"hull", "box"}, 0}};
+    study.baseline.point = {{0.002, 0.5}, {0}};
+    study.moved = MovedModel{{{0.009, 0.52}, {1}}, {}, {}};
+    EXPECT_THAT(diagnose_remarks(study), Contains(HasSubstr("asks for soil.a.rolling = 0.009 and not 0.002, "
+                                                            "blocks.shape = box and not hull: ")));
+    study.moved->point = {{0.0021, 0.5}, {0}};
+    EXPECT_THAT(diagnose_remarks(study), Contains(HasSubstr("asks for parameters that are nearly the calibrated")));
+}
+
 // Residuals count once the parameters fit the rest: means that are equal, or the other way round, say something else.
 TEST(DiagnoseWords, MeansAreToldWhereTheySayWhatTheResidualSays) {
     SixBlocks test;
