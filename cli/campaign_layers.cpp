@@ -275,12 +275,12 @@ gis::VectorLayer deposit_zones(const SiteModel& model, const CampaignResult& res
     return layer;
 }
 
-/// Model and result must outlive the layer, which is filled when it is written.
+/// The result must outlive the layer, which is filled when it is written.
 template <class Value>
-gis::RasterLayer raster(const SiteModel& model, const CampaignResult& result, Value value) {
+gis::RasterLayer raster(const GridShape& cells, const CampaignResult& result, Value value) {
     gis::RasterLayer layer;
-    layer.make_values = [&model, &result, value] {
-        Grid<float> values(model.campaign.result_cells, std::numeric_limits<float>::quiet_NaN());
+    layer.make_values = [cells, &result, value] {
+        Grid<float> values(cells, std::numeric_limits<float>::quiet_NaN());
         for (const auto& [cell, statistics] : result.cells) {
             const double v = value(statistics);
             if (std::isfinite(v)) values.values[cell] = static_cast<float>(v);
@@ -291,9 +291,9 @@ gis::RasterLayer raster(const SiteModel& model, const CampaignResult& result, Va
 }
 
 template <class Value>
-gis::RasterLayer counts(const SiteModel& model, const CampaignResult& result, const char* name, const char* title,
+gis::RasterLayer counts(const GridShape& cells, const CampaignResult& result, const char* name, const char* title,
                         const char* definition, RasterTheme theme, Value value) {
-    gis::RasterLayer layer = raster(model, result, value);
+    gis::RasterLayer layer = raster(cells, result, value);
     layer.name = name;
     layer.title = title;
     layer.unit = "-";
@@ -347,10 +347,10 @@ std::vector<gis::VectorLayer> campaign_vectors(const SiteModel& model, const Cam
     return layers;
 }
 
-gis::RasterLayer reach_probability_raster(const SiteModel& model, const CampaignResult& result) {
+gis::RasterLayer reach_probability_raster(const GridShape& cells, const CampaignResult& result) {
     const double released = static_cast<double>(std::max<std::int64_t>(result.released, 1));
     gis::RasterLayer layer =
-        counts(model, result, "reach_probability", "Reach probability",
+        counts(cells, result, "reach_probability", "Reach probability",
                "share of the blocks thrown that crossed the cell", RasterTheme::Probability,
                [released](const CellStatistics& c) { return static_cast<double>(c.passages) / released; });
     layer.visible = true;
@@ -360,17 +360,18 @@ gis::RasterLayer reach_probability_raster(const SiteModel& model, const Campaign
 std::vector<gis::RasterLayer> campaign_rasters(const SiteModel& model, const CampaignResult& result) {
     if (model.in_plane()) return {heights_layer(model.terrain)};
     std::vector<gis::RasterLayer> layers;
-    layers.push_back(reach_probability_raster(model, result));
-    layers.push_back(counts(model, result, "passages", "Passages", "blocks that crossed the cell, each counted once",
+    const GridShape& cells = model.campaign.result_cells;
+    layers.push_back(reach_probability_raster(cells, result));
+    layers.push_back(counts(cells, result, "passages", "Passages", "blocks that crossed the cell, each counted once",
                             RasterTheme::Count,
                             [](const CellStatistics& c) { return static_cast<double>(c.passages); }));
     layers.push_back(
-        counts(model, result, "deposits", "Deposits", "blocks that came to rest in the cell", RasterTheme::Count,
+        counts(cells, result, "deposits", "Deposits", "blocks that came to rest in the cell", RasterTheme::Count,
                [](const CellStatistics& c) { return c.deposits > 0 ? static_cast<double>(c.deposits) : kNaN; }));
     for (const QuantityInfo& q : kQuantities) {
         const auto k = static_cast<std::size_t>(q.quantity);
         auto add = [&](const std::string& suffix, const std::string& words, auto value) {
-            gis::RasterLayer layer = raster(model, result, [k, value, factor = q.factor](const CellStatistics& c) {
+            gis::RasterLayer layer = raster(cells, result, [k, value, factor = q.factor](const CellStatistics& c) {
                 return c.passages > 0 ? factor * value(c.quantities[k], c.passages) : kNaN;
             });
             layer.name = std::string(q.name) + "_" + suffix;

@@ -41,7 +41,7 @@ inline double mean_of(const QuantityStatistics& s, std::int64_t passages) {
 std::vector<gis::VectorLayer> campaign_vectors(const SiteModel& model, const CampaignResult& result);
 std::vector<gis::RasterLayer> campaign_rasters(const SiteModel& model, const CampaignResult& result);
 /// The one among them that hazard maps begin with; 3D.
-gis::RasterLayer reach_probability_raster(const SiteModel& model, const CampaignResult& result);
+gis::RasterLayer reach_probability_raster(const GridShape& cells, const CampaignResult& result);
 
 /// A feature layer of the input as a layer of the output: same geometry and fields.
 gis::VectorLayer input_layer(const gis::VectorData& data, const std::string& name, const std::string& title,

@@ -122,8 +122,10 @@ std::vector<Figure> figures_of(const DiagnoseStudy& study, const SiteModel& mode
     return figures;
 }
 
+/// Of a campaign in 3D.
 gis::RasterLayer reach_raster(const SiteModel& model, const CampaignResult& campaign, const std::string& of) {
-    gis::RasterLayer layer = reach_probability_raster(model, campaign);
+    const GridShape& cells = model.in_plane() ? model.terrain.data.grid.shape : model.campaign.result_cells;
+    gis::RasterLayer layer = reach_probability_raster(cells, campaign);
     layer.name += "_" + of;
     layer.title += ", " + of;
     return layer;
@@ -153,9 +155,10 @@ gis::ResultsPackage results_of(const DiagnoseStudy& study, const SiteModel& mode
     package.provenance = {{"program", "scree " + version()}, {"site", study.site.settings.name}};
     for (const std::string& line : study.inputs) package.provenance.push_back({"input", line});
     const std::vector<Figure> figures = figures_of(study, model, observed);
-    if (judged && !model.in_plane()) {  // topmost first
-        if (const AnswerFit* on_blocks = answer_on_blocks(study))
-            package.rasters.push_back(reach_raster(model, on_blocks->campaign, "extended"));
+    // topmost first
+    if (const AnswerFit* on_blocks = answer_on_blocks(study); on_blocks && (in_space || !model.in_plane()))
+        package.rasters.push_back(reach_raster(model, on_blocks->campaign, "extended"));
+    if (judged && !model.in_plane()) {
         if (study.moved) package.rasters.push_back(reach_raster(model, study.moved->campaign, "told"));
         package.rasters.push_back(reach_raster(model, study.campaign, "calibrated"));
     }

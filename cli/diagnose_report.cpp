@@ -234,9 +234,10 @@ std::string effects_html(const DiagnoseStudy& study) {
     for (const EffectFinding& f : study.diagnosis.findings)
         rows.push_back({study.candidate_of(f).name, variant_name(study.variant_of(f)),
                         study.planning ? "" : short_number(f.z), short_number(f.visibility), smallest_seen(study, f),
-                        f.finalist ? weight_text(f.weight) : "", f.finalist ? p_text(f.p) : "", look_alikes(study, f)});
+                        most_searched(study.variant_of(f)), f.finalist ? weight_text(f.weight) : "",
+                        f.finalist ? p_text(f.p) : "", look_alikes(study, f)});
     return html_table({"effect", "form and place", "z", "z to expect at its reference", "seen in 4 of 5 tests from",
-                       "weight", "p of what it leaves", "looks like"},
+                       "searched up to", "weight", "p of what it leaves", "looks like"},
                       rows);
 }
 

@@ -44,6 +44,10 @@ std::string variant_name(const DiagnosisVariant& v) {
     return v.label.empty() ? name : name + ", " + v.label;
 }
 
+std::string most_searched(const DiagnosisVariant& v) {
+    return v.space ? "" : v.parameter + " " + with_unit(v.value(v.most), v.unit());
+}
+
 std::string strength_text(const AnsweredEffect& e) {
     const DiagnosisVariant& v = e.variant;
     if (v.space) return "the blocks move in 3D";

@@ -32,6 +32,8 @@ std::string chance_words(const DiagnoseStudy& study);
 
 /// "ground_drag, linear, on loose waste".
 std::string variant_name(const DiagnosisVariant& v);
+/// "coefficient 9 1/s": the largest strength that is searched; empty where there is none to search for.
+std::string most_searched(const DiagnosisVariant& v);
 /// "coefficient 0.31 1/s (95 %: 0.2 to 0.45)", and where its middle is if it acts on a stretch that was looked for.
 std::string strength_text(const AnsweredEffect& e);
 /// Where the middle of the stretch is with 95 % that an effect acts on [m].

@@ -304,6 +304,10 @@ TEST(Diagnose, WhatAProfileLeavesOutHasAName) {
     EXPECT_EQ(answer.at("effect"), "third_dimension");
     EXPECT_EQ(answer.at("value"), 1.0) << "of the blocks";
 
+    const RasterFacts reach = raster_facts(out / "rasters" / "reach_probability_extended.tif");
+    EXPECT_TRUE(reach.finite);
+    EXPECT_GT(reach.sum, 1.0);
+
     const fs::path extended = out / "site_extended.toml";
     EXPECT_THAT(text_of(extended), HasSubstr("dimension = 3"));
     const Outcome check = scree_program({"check", extended.string()});
@@ -457,6 +461,12 @@ TEST(Diagnose, PlansATestBeforeAnythingIsMeasured) {
         for (const json& row : j.at("in_addition")) tests.push_back(row.at("test"));
         return tests;
     };
+    double slowest = 0.0;
+    const json plan = json::parse(text_of(few / "diagnosis.json"));
+    for (const json& effect : plan.at("effects"))
+        if (effect.at("effect") == "slow_missed") slowest = effect.at("searched_up_to");
+    EXPECT_EQ(slowest, 8.0);
+    EXPECT_THAT(text_of(few / "report.html"), HasSubstr("searched up to"));
     EXPECT_THAT(additions(few),
                 testing::ElementsAre("as planned", "with heights at the screens", "with spins at the screens",
                                      "with heights and spins at the screens", "with films of the first 3 impacts",
