@@ -256,7 +256,8 @@ std::string further_html(const DiagnoseStudy& study) {
 constexpr const char* kHow =
     R"(<p><b>z</b>: how well an effect explains what the calibrated model leaves, in standard deviations, with everything taken out that a recalibration absorbs. <b>Weight</b>: of the
 finalists, the calibrated model and something without a name, from simulations at the strength and parameters that fit best. <b>p of what it leaves</b>: how often the effect's own simulations look as far off as the
-measurements. <b>Removable gap</b>: what the held-out blocks lose beyond one more repeat of the simulation.</p>
+measurements. <b>Removable gap</b>: what the held-out blocks lose beyond one more repeat of the simulation. Blocks held out are predicted by refits to the others, which begin from a search, a strength and a place
+that all blocks had their part in: the honest check is a second test.</p>
 )";
 
 }  // namespace
