@@ -28,8 +28,6 @@ constexpr double kMaxSpeed = 300.0;        // [m/s]
 constexpr double kMaxSpin = 1000.0;        // [rad/s]
 constexpr double kMaxError = 1000.0;       // [m, m/s, ...]
 constexpr double kMaxImpacts = 10.0;       // of a block [-]
-constexpr double kRiseShare = 1.5;         // of the speed that a vertical speed may be measured at [-]
-constexpr double kRiseSlack = 2.0;         // [m/s]
 constexpr double kMaxBlocks = 1e9;         // [-]
 constexpr double kPercentRounding = 0.06;  // [%] of a share that is printed with one decimal
 
@@ -107,9 +105,6 @@ ImpactEnd impact_end(const RecordTable& table, const RecordTable::Record& r, con
     if (std::isnan(end.speed))
         table.refuse(r, words("lacks speed_", which, "_ms; an impact needs the speeds before and after it."));
     end.rise = table.number(r, "rise_" + which + "_ms", -kMaxSpeed, kMaxSpeed);
-    if (std::abs(end.rise) > kRiseShare * end.speed + kRiseSlack)
-        table.refuse(r, words("has the rise ", end.rise, " m/s ", which, " an impact, and the speed ", end.speed,
-                              " m/s; a vertical speed is no larger than the speed, but for errors."));
     end.spin = table.number(r, "spin_" + which + "_rads", 0.0, kMaxSpin);
     return end;
 }

@@ -14,11 +14,14 @@ namespace scree {
 
 namespace {
 
-constexpr std::size_t kListed = 4;    // offenders that a sentence names [-]
-constexpr double kSpeedSlack = 3.0;   // stated errors by which a speed may exceed the fall before it is impossible [-]
-constexpr double kDatumOffset = 1.0;  // [m] beyond the blocks' own size
-constexpr double kBack = 5.0;         // a block may bounce back so far from a screen that it crossed [m]
-constexpr double kSameMass = 0.01;    // relative difference of masses that are the same [-]
+constexpr std::size_t kListed = 4;   // offenders that a sentence names [-]
+constexpr double kSpeedSlack = 3.0;  // stated errors by which a speed may exceed the fall before it is impossible [-]
+constexpr double kRiseSlack[] = {
+    3.0, 5.0};  // stated errors by which a vertical speed may exceed the speed, doubtful and impossible [-]
+constexpr double kRiseShare = 1.5, kRiseLeast = 2.0;  // and beyond so many times the speed and m/s it is impossible
+constexpr double kDatumOffset = 1.0;                  // [m] beyond the blocks' own size
+constexpr double kBack = 5.0;       // a block may bounce back so far from a screen that it crossed [m]
+constexpr double kSameMass = 0.01;  // relative difference of masses that are the same [-]
 
 template <class... Parts>
 std::string words(const Parts&... parts) {
@@ -61,6 +64,7 @@ public:
         stops_on_terrain();
         datum_offset();
         speeds();
+        rises();
         densities();
         measured_once();
         block_list();
@@ -167,6 +171,33 @@ private:
             find(Severity::Warning, "speed_near_fall",
                  words(doubtful.counted("speed is", "speeds are"),
                        " above what the drop allows, within the stated error (", doubtful.text(),
+                       impossible.count() > 0 ? ")" : "): " + worst_text));
+    }
+
+    /// A vertical speed is no larger than the speed, but for errors.
+    void rises() {
+        Names impossible, doubtful;
+        double worst = 0.0, rise = 0.0, speed = 0.0;
+        for (const ObservedCrossing& c : o_.crossings) {
+            const double excess = std::abs(c.value[4]) - c.value[0], error = std::hypot(c.error[4], c.error[0]);
+            if (!(excess > kRiseSlack[0] * error)) continue;
+            const bool beyond = excess > kRiseSlack[1] * error && excess > (kRiseShare - 1.0) * c.value[0] + kRiseLeast;
+            (beyond ? impossible : doubtful).add(name(c.block, c.row));
+            if (excess <= worst) continue;
+            worst = excess;
+            rise = c.value[4];
+            speed = c.value[0];
+        }
+        const std::string worst_text = words("the worst is ", fixed(rise, 2), " m/s at a speed of ", fixed(speed, 2),
+                                             " m/s; check which films they are of, their signs and units");
+        if (impossible.count() > 0)
+            find(Severity::Error, "rise_above_speed",
+                 words(impossible.counted("vertical speed is", "vertical speeds are"), " far above the speed there (",
+                       impossible.text(), "): ", worst_text));
+        if (doubtful.count() > 0)
+            find(Severity::Warning, "rise_above_speed",
+                 words(doubtful.counted("vertical speed is", "vertical speeds are"),
+                       " above the speed there by more than three stated errors (", doubtful.text(),
                        impossible.count() > 0 ? ")" : "): " + worst_text));
     }
 

@@ -54,7 +54,9 @@ struct GoodTest {
 };
 
 TEST(ObservationAudit, FindsNothingInGoodMeasurements) {
-    const GoodTest test;
+    GoodTest test;
+    test.o.crossings[5].value[4] = -12.0;  // within its error
+    test.o.crossings[5].error[4] = 0.7;
     for (const Finding& f : test.findings()) ADD_FAILURE() << f.sentence;
 }
 
@@ -99,6 +101,14 @@ const Plant kPlants[] = {
      "25.0 m/s at gate, where a fall from the highest start at 17.0 m gives 18.3 m/s"},
     {"SpeedAboveTheFallWithinItsError", [](GoodTest& t) { t.o.crossings[5].value[0] = 19.0; }, "speed_near_fall",
      Severity::Warning, "within the stated error (B5)"},
+    {"RiseAboveTheSpeed", [](GoodTest& t) { t.o.crossings[5].value[4] = -18.0; }, "rise_above_speed", Severity::Error,
+     "1 vertical speed is far above the speed there (B5): the worst is -18.00 m/s at"},
+    {"RiseAboveTheSpeedByALittle",
+     [](GoodTest& t) {
+         t.o.crossings[5].value[4] = -13.0;
+         t.o.crossings[5].error[4] = 0.7;
+     },
+     "rise_above_speed", Severity::Warning, "by more than three stated errors (B5)"},
     {"GramsForKilograms",
      [](GoodTest& t) {
          t.o.blocks[1].mass = 1e6;
