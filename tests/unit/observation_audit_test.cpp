@@ -101,7 +101,12 @@ const Plant kPlants[] = {
      "25.0 m/s at gate, where a fall from the highest start at 17.0 m gives 18.3 m/s"},
     {"SpeedAboveTheFallWithinItsError", [](GoodTest& t) { t.o.crossings[5].value[0] = 19.0; }, "speed_near_fall",
      Severity::Warning, "within the stated error (B5)"},
-    {"RiseAboveTheSpeed", [](GoodTest& t) { t.o.crossings[5].value[4] = -18.0; }, "rise_above_speed", Severity::Error,
+    {"RiseAboveTheSpeed",
+     [](GoodTest& t) {
+         t.o.crossings[5].value[4] = -18.0;
+         t.o.crossings[5].error[4] = 0.7;
+     },
+     "rise_above_speed", Severity::Error,
      "1 vertical speed is far above the speed there (B5): the worst is -18.00 m/s at"},
     {"RiseAboveTheSpeedByALittle",
      [](GoodTest& t) {
