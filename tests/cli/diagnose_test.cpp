@@ -240,6 +240,21 @@ TEST(Diagnose, RestartsAtAScreenShowWhatLiesBelowIt) {
     EXPECT_LT(row.at("measured").get<double>(), 0.85 * row.at("simulated").get<double>());
 }
 
+// Too fast from the release on: below the screens the ground does what the model does.
+TEST(Diagnose, RestartsLeaveBehindWhatIsWrongAbove) {
+    const TempDir folder;
+    field_test_with(folder, "kind = \"release_motion\"\nspeed = 6.0\n", 24);
+    const fs::path out = folder / "out";
+    const Outcome run = diagnose(
+        out, {"--observed", (folder / "field").string(), "--set", "diagnosis.further=false", "--set", nothing_but({})},
+        "soil.compact waste.rolling=0.0499:0.0501");
+    ASSERT_EQ(run.code, 0) << run.err;
+    EXPECT_THAT(run.out, HasSubstr("=> UNKNOWN"));
+    const json diagnosis = json::parse(text_of(out / "diagnosis.json"));
+    EXPECT_EQ(diagnosis.at("restarted").size(), 5U) << "with heights and spins";
+    for (const json& row : diagnosis.at("restarted")) EXPECT_FALSE(row.at("beyond_chance")) << row;
+}
+
 TEST(Diagnose, AForceSaysWhatAnEffectWithoutANameDoes) {
     const TempDir folder;
     field_test_with(folder, "kind = \"ground_drag\"\ncoefficient = 2.0\n", 30);
