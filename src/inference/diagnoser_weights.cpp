@@ -26,6 +26,21 @@ void best_first(std::vector<EffectFinding>& findings) {
     });
 }
 
+void leave_out_rejected(Diagnosis& d, double rejected) {
+    const auto is_out = [&](const EffectFinding& f) { return f.finalist && f.p <= rejected; };
+    const auto heaviest = std::max_element(
+        d.findings.begin(), d.findings.end(),
+        [](const EffectFinding& a, const EffectFinding& b) { return a.finalist * a.weight < b.finalist * b.weight; });
+    if (heaviest == d.findings.end() || !heaviest->finalist || is_out(*heaviest)) return;
+    double left = d.weight_none + d.weight_unnamed;
+    for (const EffectFinding& f : d.findings)
+        if (f.finalist && !is_out(f)) left += f.weight;
+    d.weight_none /= left;
+    d.weight_unnamed /= left;
+    for (EffectFinding& f : d.findings)
+        if (f.finalist) f.weight = is_out(f) ? 0.0 : f.weight / left;
+}
+
 std::vector<double> mean_weights(const std::vector<double>& log_weights, const std::vector<double>& deviations,
                                  std::uint64_t seed) {
     SCREE_ASSERT(deviations.size() == log_weights.size());
@@ -154,6 +169,7 @@ void Diagnoser::weigh(Diagnosis& d, std::vector<Hypothesis>& followed) const {
 /// The name, the group or neither.
 void Diagnoser::conclude(Diagnosis& d, std::vector<Hypothesis>& followed) const {
     weigh(d, followed);
+    leave_out_rejected(d, settings_.rejected);
     best_first(d.findings);
     d.verdict = Verdict::Unknown;
     d.answer.clear();

@@ -33,6 +33,42 @@ TEST(MeanWeights, OfTwoThatScatterNeitherIsSure) {
     EXPECT_LT(w[0], mean_weights({0.0, -kAhead}, {0.0, 0.0}, 1)[0] - 0.02);
 }
 
+/// Finalists with these weights and p; the rest of the weight is chance's and of what has no name, half and half.
+Diagnosis weighed(const std::vector<std::pair<double, double>>& finalists) {
+    Diagnosis d;
+    d.weight_none = d.weight_unnamed = 0.5;
+    for (const auto& [weight, p] : finalists) {
+        EffectFinding& f = d.findings.emplace_back();
+        f.finalist = true;
+        f.weight = weight;
+        f.p = p;
+        d.weight_none -= 0.5 * weight;
+        d.weight_unnamed -= 0.5 * weight;
+    }
+    return d;
+}
+
+TEST(RejectedFinalists, LeaveTheirWeightToWhatCouldBeIt) {
+    Diagnosis d = weighed({{0.8, 0.3}, {0.1, 0.01}, {0.06, 0.4}});
+    leave_out_rejected(d, 0.05);
+    EXPECT_NEAR(d.findings[0].weight, 0.8 / 0.9, 1e-12);
+    EXPECT_EQ(d.findings[1].weight, 0.0);
+    EXPECT_NEAR(d.findings[2].weight, 0.06 / 0.9, 1e-12);
+    EXPECT_NEAR(d.weight_none, 0.02 / 0.9, 1e-12);
+    EXPECT_NEAR(d.weight_unnamed, 0.02 / 0.9, 1e-12);
+}
+
+// One time in twenty the right one is rejected: what fits far less well gets no name by that.
+TEST(RejectedFinalists, KeepItWhereTheyAreHeaviest) {
+    Diagnosis d = weighed({{0.09, 0.3}, {0.9, 0.04}});
+    leave_out_rejected(d, 0.05);
+    EXPECT_NEAR(d.findings[0].weight, 0.09, 1e-12);
+    EXPECT_NEAR(d.findings[1].weight, 0.9, 1e-12);
+    Diagnosis none;
+    leave_out_rejected(none, 0.05);
+    EXPECT_TRUE(none.findings.empty());
+}
+
 // Surveys of a plane with noise, repeated: what they say of a place scatters as variance_at() has it.
 TEST(Slopes, KnowTheScatterOfWhatTheySayOfAPlace) {
     constexpr int kSurveys = 4000;
