@@ -13,19 +13,6 @@ namespace {
 constexpr std::size_t kBandPoints = 201;
 constexpr int kRoundChainages = 12;  // about so many passing shares are listed [-]
 
-SampleSummary summary_of(std::vector<double> values) {
-    SampleSummary s;
-    if (values.empty()) return s;
-    const double n = static_cast<double>(values.size());
-    s.mean = std::accumulate(values.begin(), values.end(), 0.0) / n;
-    double squares = 0.0;
-    for (const double v : values) squares += (v - s.mean) * (v - s.mean);
-    if (n > 1.0) s.deviation = std::sqrt(squares / (n - 1.0));
-    std::sort(values.begin(), values.end());
-    for (const double q : kSummaryQuantiles) s.quantiles.push_back(sample_quantile(values, q));
-    return s;
-}
-
 /// A file name: letters, digits and single underscores.
 std::string slug_of(const std::string& name, std::set<std::string>& taken) {
     std::string slug;
@@ -129,6 +116,19 @@ void add_passing(CompareStudy& study, const SiteModel& model, const ObservedSite
 }
 
 }  // namespace
+
+SampleSummary summary_of(std::vector<double> values) {
+    SampleSummary s;
+    if (values.empty()) return s;
+    const double n = static_cast<double>(values.size());
+    s.mean = std::accumulate(values.begin(), values.end(), 0.0) / n;
+    double squares = 0.0;
+    for (const double v : values) squares += (v - s.mean) * (v - s.mean);
+    if (n > 1.0) s.deviation = std::sqrt(squares / (n - 1.0));
+    std::sort(values.begin(), values.end());
+    for (const double q : kSummaryQuantiles) s.quantiles.push_back(sample_quantile(values, q));
+    return s;
+}
 
 std::string column_name(const ObservationOperator& op, const Column& column) {
     const auto at_screen = [&](const char* what) { return what + op.screens[static_cast<std::size_t>(column.place)]; };

@@ -31,6 +31,8 @@ struct SampleSummary {
     std::vector<double> quantiles;  ///< at kSummaryQuantiles
 };
 inline constexpr std::array<double, 7> kSummaryQuantiles{0.05, 0.10, 0.25, 0.50, 0.75, 0.90, 0.95};
+/// NaN for none; no deviation of a single one.
+SampleSummary summary_of(std::vector<double> values);
 
 /// One observable with all that is shown of it.
 struct ComparedObservable {

@@ -47,11 +47,10 @@ std::optional<HeldOutGain> held_out_gain(const DiagnoseStudy& study, const Answe
     const std::vector<double>&without = study.baseline.result.held_out_losses,
           &with = answer.model.result.held_out_losses;
     if (without.size() < 2 || with.size() != without.size()) return std::nullopt;
-    const auto n = static_cast<Eigen::Index>(without.size());
-    const Eigen::ArrayXd gain =
-        Eigen::Map<const Eigen::ArrayXd>(without.data(), n) - Eigen::Map<const Eigen::ArrayXd>(with.data(), n);
-    const double variance = (gain - gain.mean()).square().sum() / static_cast<double>(n - 1);
-    return HeldOutGain{gain.mean(), std::sqrt(variance / static_cast<double>(n))};
+    std::vector<double> gains;
+    for (std::size_t k = 0; k < without.size(); ++k) gains.push_back(without[k] - with[k]);
+    const SampleSummary gain = summary_of(gains);
+    return HeldOutGain{gain.mean, gain.deviation / std::sqrt(static_cast<double>(gains.size()))};
 }
 
 }  // namespace scree::cli

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "cli/diagnose_restarts.hpp"
 
+#include "cli/compare_study.hpp"
+
 #include <algorithm>
 #include <cmath>
 #include <span>
@@ -23,9 +25,9 @@ std::vector<std::vector<const ScreenCrossing*>> simulated_crossings(const Observ
     return screens;
 }
 
-double variance_of_mean(const Eigen::ArrayXd& values) {
-    const auto n = static_cast<double>(values.size());
-    return (values - values.mean()).square().sum() / (n * (n - 1.0));
+double variance_of_mean(const std::vector<double>& values) {
+    const double deviation = summary_of(values).deviation;
+    return deviation * deviation / static_cast<double>(values.size());
 }
 
 /// Value of a table, NaN where there is no such column.
@@ -185,12 +187,11 @@ private:
         ScreenInnovation innovation;
         innovation.quantity = column.quantity;
         if (std::min(lost.size(), blocks.blocks()) < kLeastRestarted) return innovation;
-        const Eigen::Map<const Eigen::ArrayXd> forgotten(lost.data(), std::ssize(lost));
         innovation.blocks = blocks.blocks();
         innovation.measured = blocks.measured();
-        innovation.simulated = blocks.simulated() + forgotten.mean();
+        innovation.simulated = blocks.simulated() + summary_of(lost).mean;
         if (column.quantity == Quantity::Passed) innovation.simulated = std::clamp(innovation.simulated, 0.0, 1.0);
-        innovation.error = std::sqrt(blocks.variance() + variance_of_mean(forgotten));
+        innovation.error = std::sqrt(blocks.variance() + variance_of_mean(lost));
         return innovation;
     }
 
@@ -221,8 +222,7 @@ void RestartedBlocks::add(double measured, std::span<const double> restarts) {
 
 double RestartedBlocks::variance() const {
     const double n = static_cast<double>(blocks());
-    const double as_blocks_differ =
-        variance_of_mean(Eigen::Map<const Eigen::ArrayXd>(differences_.data(), std::ssize(differences_)));
+    const double as_blocks_differ = variance_of_mean(differences_);
     if (shares_) return std::max({of_shares_ / (n * n), 1.0 / (n * n), as_blocks_differ});
     return std::max(freedom_ > 0.0 ? within_ / freedom_ * weight_ / (n * n) : 0.0, as_blocks_differ);
 }

@@ -103,16 +103,10 @@ std::optional<Pair> of_values(const DiagnoseStudy& study, const Residual& r) {
     };
     const std::vector<double> measured = known(study.before.measured), simulated = known(study.before.simulated);
     if (std::min(measured.size(), simulated.size()) < 2) return std::nullopt;
-    const auto mean = [](const std::vector<double>& values) {
-        return Eigen::Map<const Eigen::ArrayXd>(values.data(), std::ssize(values)).mean();
-    };
-    const auto deviation = [&](const std::vector<double>& values) {
-        const Eigen::Map<const Eigen::ArrayXd> all(values.data(), std::ssize(values));
-        return std::sqrt((all - all.mean()).square().sum() / static_cast<double>(values.size() - 1));
-    };
-    const double error = deviation(measured) / std::sqrt(static_cast<double>(measured.size()));
-    if (r.kind == ResidualKind::Level) return Pair{"mean ", mean(measured), mean(simulated), error, ""};
-    return Pair{"standard deviation ", deviation(measured), deviation(simulated), error / std::numbers::sqrt2, ""};
+    const SampleSummary m = summary_of(measured), s = summary_of(simulated);
+    const double error = m.deviation / std::sqrt(static_cast<double>(measured.size()));
+    if (r.kind == ResidualKind::Level) return Pair{"mean ", m.mean, s.mean, error, ""};
+    return Pair{"standard deviation ", m.deviation, s.deviation, error / std::numbers::sqrt2, ""};
 }
 
 std::optional<Pair> of_trend(const DiagnoseStudy& study, const Residual& r) {

@@ -88,8 +88,8 @@ std::vector<double> mean_weights(const std::vector<double>& log_weights, const s
 /// By weight, then z.
 void best_first(std::vector<EffectFinding>& findings);
 
-/// Finalists that their own simulations reject (p of at most `rejected`) are no explanation: where the heaviest is one, the weight that the tail of what surveys
-/// scatter by has left them goes to all that could be it, in proportion. Where the heaviest is none nothing changes: it may be the right one all the same.
+/// Finalists that their own simulations reject (p of at most `rejected`) are no explanation. Unless the heaviest is one of them, which may be the right one all
+/// the same, they lose the weight that the tail of what surveys scatter by has left them to all that could be it, in proportion.
 void leave_out_rejected(Diagnosis& d, double rejected);
 
 /// What diagnose() and plan_test() do, step by step: the model is tested and judged in diagnosis.cpp, effects are looked for in diagnoser_search.cpp,

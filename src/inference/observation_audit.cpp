@@ -19,6 +19,7 @@ constexpr double kSpeedSlack = 3.0;  // stated errors by which a speed may excee
 constexpr double kRiseSlack[] = {
     3.0, 5.0};  // stated errors by which a vertical speed may exceed the speed, doubtful and impossible [-]
 constexpr double kRiseShare = 1.5, kRiseLeast = 2.0;  // and beyond so many times the speed and m/s it is impossible
+constexpr std::size_t kVertical = 4;                  // of KinematicValues
 constexpr double kDatumOffset = 1.0;                  // [m] beyond the blocks' own size
 constexpr double kBack = 5.0;       // a block may bounce back so far from a screen that it crossed [m]
 constexpr double kSameMass = 0.01;  // relative difference of masses that are the same [-]
@@ -179,13 +180,14 @@ private:
         Names impossible, doubtful;
         double worst = 0.0, rise = 0.0, speed = 0.0;
         for (const ObservedCrossing& c : o_.crossings) {
-            const double excess = std::abs(c.value[4]) - c.value[0], error = std::hypot(c.error[4], c.error[0]);
+            const double excess = std::abs(c.value[kVertical]) - c.value[0],
+                         error = std::hypot(c.error[kVertical], c.error[0]);
             if (!(excess > kRiseSlack[0] * error)) continue;
             const bool beyond = excess > kRiseSlack[1] * error && excess > (kRiseShare - 1.0) * c.value[0] + kRiseLeast;
             (beyond ? impossible : doubtful).add(name(c.block, c.row));
             if (excess <= worst) continue;
             worst = excess;
-            rise = c.value[4];
+            rise = c.value[kVertical];
             speed = c.value[0];
         }
         const std::string worst_text = words("the worst is ", fixed(rise, 2), " m/s at a speed of ", fixed(speed, 2),

@@ -5,7 +5,7 @@
 Usage: find.py SCREE FOLDER [--parallel N] [--set KEY=VALUE ...]
 
 Writes FOLDER/found/NNNN.json (diagnosis.json of the program); what is there is not done again. FOLDER/finder.json says which program with which settings:
-another one needs another folder. Refuses a case whose sealed file is not the one whose hash is in FOLDER/sealed.sha256: the truth must be fixed before.
+another one needs another folder. Refuses a case that has no hash in FOLDER/sealed.sha256, or whose truth, where it is there, has another: it must be fixed before.
 """
 import argparse
 import hashlib
@@ -29,8 +29,9 @@ def diagnose(args, case):
     if found.exists():
         return
     sealed = f"sealed/{case.name}.json"
-    fixed = hashlib.sha256((args.folder / sealed).read_bytes()).hexdigest()
-    if f"{fixed}  {sealed}\n" not in (args.folder / "sealed.sha256").read_text():
+    hashes = dict(reversed(line.split()) for line in (args.folder / "sealed.sha256").read_text().splitlines())
+    truth = args.folder / sealed  # which a finder need not have
+    if sealed not in hashes or (truth.exists() and hashlib.sha256(truth.read_bytes()).hexdigest() != hashes[sealed]):
         sys.exit(f"case {case.name} is not sealed, or its truth is not the one that was")
     begin = time.process_time(), time.monotonic()
     with tempfile.TemporaryDirectory() as folder:

@@ -243,7 +243,7 @@ TEST(Diagnose, RestartsAtAScreenShowWhatLiesBelowIt) {
 // Too fast from the release on: below the screens the ground does what the model does.
 TEST(Diagnose, RestartsLeaveBehindWhatIsWrongAbove) {
     const TempDir folder;
-    field_test_with(folder, "kind = \"release_motion\"\nspeed = 6.0\n", 24);
+    field_test_with(folder, "kind = \"release_motion\"\nspeed = 18.0\n", 24);
     const fs::path out = folder / "out";
     const Outcome run = diagnose(
         out, {"--observed", (folder / "field").string(), "--set", "diagnosis.further=false", "--set", nothing_but({})},
