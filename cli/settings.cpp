@@ -359,10 +359,11 @@ void add_diagnosis(std::vector<Setting<SiteSettings>>& keys) {
     keys.push_back(d.flag("further", AT(diagnosis_further),
                           "After UNKNOWN, say when and where an unnamed force acts; after GROUP, what else to measure. "
                           "false saves the time."));
-    keys.push_back(d.integer("wide_search", {40, 10000}, AT(diagnosis.wide_search),
+    keys.push_back(d.integer("wide_search", {0, 10000}, AT(diagnosis.wide_search),
                              "Simulations of every block in a search all over the ranges for each form of these "
-                             "effects, before they are followed from the best place found; forms of theirs that "
-                             "leave more end earlier."));
+                             "effects, 40 at least, before they are followed from the best place found; forms of "
+                             "theirs that leave more end earlier. 0: none, which is faster and misses strong effects "
+                             "that the calibration has made up for."));
     keys.push_back(d.integer("rounds", {1, 100}, AT(diagnosis.rounds),
                              "Surveys on the way there, of simulations all around, at most."));
 }

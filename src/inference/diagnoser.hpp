@@ -192,7 +192,7 @@ private:
     double spread_near(const Hypothesis& h) const;
     Hypothesis found_by(const WideSearch& w) const;
     bool search_widely(const std::vector<Hypothesis>& chosen, std::vector<Hypothesis>& found);
-    std::optional<Hypothesis> search_without();
+    bool search_without(std::vector<Hypothesis>& found);
     Eigen::VectorXd given_parameters() const {
         return Eigen::Map<const Eigen::VectorXd>(problem_.given.data(), std::ssize(problem_.given));
     }

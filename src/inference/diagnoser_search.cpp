@@ -249,15 +249,18 @@ bool Diagnoser::search_in_stages(std::vector<WideSearch>& ways,
     return true;
 }
 
-std::optional<Hypothesis> Diagnoser::search_without() {
+bool Diagnoser::search_without(std::vector<Hypothesis>& found) {
+    if (settings_.wide_search == 0) return true;
     std::vector<WideSearch> ways;
     for (std::size_t k = 0; k < kStarts; ++k) ways.push_back(search_for({}));
-    if (!search_in_stages(ways, [](std::size_t of) { return of; })) return std::nullopt;
-    return found_by(ways.front());
+    if (!search_in_stages(ways, [](std::size_t of) { return of; })) return false;
+    found.push_back(found_by(ways.front()));
+    return true;
 }
 
 /// Every form of the effects that were chosen; the better half goes on. Once each: it depends little on the base.
 bool Diagnoser::search_widely(const std::vector<Hypothesis>& chosen, std::vector<Hypothesis>& found) {
+    if (settings_.wide_search == 0) return true;
     const ScoreResult score = (*base_.test)(base_.observed);
     std::vector<WideSearch> ways;
     for (std::size_t k = 0; k < variants_.size(); ++k) {

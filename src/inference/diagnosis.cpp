@@ -345,9 +345,8 @@ bool Diagnoser::move_base(Diagnosis& d, const Hypothesis& without) {
 /// those that were given and from the best that a search all over the ranges finds.
 bool Diagnoser::settle_base(Diagnosis& d) {
     planned_ += 3 * of_finalist();
-    const auto found = search_without();
-    if (!found) return false;
-    std::vector<Hypothesis> starts{{}, *found};
+    std::vector<Hypothesis> starts{{}};
+    if (!search_without(starts)) return false;
     if (!problem_.given.empty()) starts.emplace_back().parameters = given_parameters();
     std::vector<Pursuit> pursuits;
     for (Hypothesis& h : starts) {

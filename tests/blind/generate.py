@@ -339,11 +339,12 @@ class Case:
             hidden, steps, least, model = sample(None, effects, fault), np.zeros(len(names)), math.inf, base
             if effects and np.abs((hidden - base).mean(axis=0)).max() > LARGEST_CHANGE:
                 return math.inf
-            for k in range(1 + RECALIBRATIONS):  # Gauss-Newton: what a linear recalibration leaves may be less elsewhere
+            recalibrations = 0 if self.args.search == "none" else RECALIBRATIONS
+            for k in range(1 + recalibrations):  # Gauss-Newton: what a linear recalibration leaves may be less elsewhere
                 difference = hidden - model
                 least = min(least, unexplained(difference))
                 steps = steps + np.clip(steps_of @ whiten @ difference.mean(axis=0), -4.0, 4.0)
-                if k < RECALIBRATIONS:
+                if k < recalibrations:
                     model = sample(at(steps))
             return math.sqrt(self.n * max(least, 0.0))
         return delta
@@ -423,7 +424,7 @@ class Case:
 
     def correct(self, settled, q, largest):
         """The strength, changed in proportion until its settled delta is near the target."""
-        for _ in range(CORRECTIONS):
+        for _ in range(0 if self.args.search == "none" else CORRECTIONS):
             reached = settled(q)
             if self.target / 1.5 < reached < 1.5 * self.target or (q >= largest and reached < self.target):
                 break
@@ -520,7 +521,7 @@ def main():
     parser.add_argument("--tiers", type=lambda text: [int(t) for t in text.split(",")], default=list(TIERS))
     parser.add_argument("--count", type=int, default=COUNT, help=f"simulated blocks behind a delta (default {COUNT})")
     parser.add_argument("--search", choices=["whole", "none"], default="whole",
-                        help="where a delta on record is recalibrated: all over the ranges, or near the truth (to try cases out)")
+                        help="where a delta on record is recalibrated: all over the ranges, or near the truth, with none at all where a strength is solved for (to try cases out)")
     parser.add_argument("--blocks", type=int, default=0, help="of every case (default: 30, 50 or 100 are drawn)")
     parser.add_argument("--threads", type=int, default=0)
     args = parser.parse_args()

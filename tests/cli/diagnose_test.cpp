@@ -66,7 +66,7 @@ std::vector<std::string> diagnosis(const fs::path& output, const std::vector<std
           "calibration.search_repeats=3", "calibration.surroundings=8", "calibration.repeats=3",
           "calibration.final_repeats=5", "calibration.folds=2", "calibration.draws=200", "observed.draws=200",
           "diagnosis.reference_repeats=24", "diagnosis.repeats=8", "diagnosis.draws=199", "diagnosis.finalists=2",
-          "diagnosis.rounds=1", "diagnosis.wide_search=40"}) {
+          "diagnosis.rounds=1", "diagnosis.wide_search=0"}) {
         args.push_back("--set");
         args.push_back(set);
     }
@@ -99,9 +99,10 @@ fs::path with_speeds(const fs::path& results, const fs::path& folder, double fac
 TEST(Diagnose, NamesAFaultOfTheMeasurementAndWritesAllOfIt) {
     const TempDir folder;
     const fs::path observed = with_speeds(field_test(folder / "field", 24), folder / "obs", 1.35), out = folder / "out";
-    const Outcome run = diagnose(out, {"--observed", observed.string(), "--set", "diagnosis.reference_repeats=40",
-                                       "--set", "diagnosis.repeats=16", "--set", "diagnosis.rounds=3", "--set",
-                                       nothing_but({"speed_error", "slow_missed", "screen_shift"})});
+    const Outcome run =
+        diagnose(out, {"--observed", observed.string(), "--set", "diagnosis.reference_repeats=40", "--set",
+                       "diagnosis.repeats=16", "--set", "diagnosis.rounds=3", "--set", "diagnosis.wide_search=40",
+                       "--set", nothing_but({"speed_error", "slow_missed", "screen_shift"})});
     ASSERT_EQ(run.code, 0) << run.err;
     EXPECT_THAT(run.out, HasSubstr("=> DATA PROBLEM: speed_error"));
     EXPECT_THAT(run.out, HasSubstr("speed at ES1-A is larger than simulated"));
@@ -165,6 +166,7 @@ TEST(Diagnose, GoesOnWhereItWasStoppedWhileEffectsWereFollowed) {
     const fs::path out = folder / "out", again = folder / "again";
     std::vector<std::string> more{"--observed", observed.string(),
                                   "--set",      "diagnosis.further=false",
+                                  "--set",      "diagnosis.wide_search=40",
                                   "--set",      nothing_but({"speed_error"}),
                                   "--threads",  "1"};
     ASSERT_EQ(diagnose(out, more).code, 0);
@@ -208,10 +210,11 @@ TEST(Diagnose, WithoutAnAnswerTheLastStepOfTheParametersIsTaken) {
     const TempDir folder;
     field_test_with(folder, "kind = \"ground_drag\"\ncoefficient = 2.0\n", 16);
     const fs::path out = folder / "out";
-    const Outcome run = diagnose(out,
-                                 {"--observed", (folder / "field").string(), "--free", "soil.*.rolling=0.01:0.3:log",
-                                  "--set", "diagnosis.further=false", "--set", nothing_but({})},
-                                 "soil.*.restitution=0:0.5");
+    const Outcome run =
+        diagnose(out,
+                 {"--observed", (folder / "field").string(), "--free", "soil.*.rolling=0.01:0.3:log", "--set",
+                  "diagnosis.further=false", "--set", "diagnosis.wide_search=40", "--set", nothing_but({})},
+                 "soil.*.restitution=0:0.5");
     ASSERT_EQ(run.code, 0) << run.err;
     EXPECT_THAT(run.out, HasSubstr("=> UNKNOWN"));
     const json baseline = json::parse(text_of(out / "diagnosis.json")).at("baseline");
@@ -339,7 +342,7 @@ TEST(Diagnose, WhatActsInAPlaceIsALayerOfItsOwn) {
     field_test_with(folder, "kind = \"soil_patch\"\nfrom = 20.0\nto = 32.0\nrolling = 0.5\n", 30);
     const fs::path out = folder / "out";
     const Outcome run = diagnose(out, {"--observed", (folder / "field").string(), "--set", "diagnosis.rounds=2",
-                                       "--set", "diagnosis.wide_search=100", "--set", "diagnosis.repeats=12", "--set",
+                                       "--set", "diagnosis.wide_search=40", "--set", "diagnosis.repeats=12", "--set",
                                        nothing_but({"soil_patch", "speed_error"})});
     ASSERT_EQ(run.code, 0) << run.err;
     EXPECT_THAT(run.out, HasSubstr("=> NAMED: soil_patch, that holds blocks back"));
@@ -373,8 +376,10 @@ TEST(Diagnose, TwoEffectsAreBothNamed) {
     const TempDir folder;
     field_test_with(folder, "kind = \"ground_drag\"\ncoefficient = 3.0\n", 16);
     const fs::path out = folder / "out", observed = with_speeds(folder / "field", folder / "obs", 1.4);
-    const Outcome run = diagnose(
-        out, {"--observed", observed.string(), "--set", nothing_but({"ground_drag", "speed_error"})}, kRestitution);
+    const Outcome run = diagnose(out,
+                                 {"--observed", observed.string(), "--set", "diagnosis.wide_search=40", "--set",
+                                  nothing_but({"ground_drag", "speed_error"})},
+                                 kRestitution);
     ASSERT_EQ(run.code, 0) << run.err;
     EXPECT_THAT(run.out, HasSubstr("=> NAMED"));
     const json j = json::parse(text_of(out / "diagnosis.json"));
@@ -403,11 +408,11 @@ TEST(Diagnose, InSpaceItHasMapsOfBeforeAndAfter) {
     const TempDir folder;
     field_test_with(folder, "kind = \"rolling_size\"\nexponent = -2.0\n", 10, 3);
     const fs::path out = folder / "out";
-    const Outcome run = diagnose(
-        out,
-        {"--observed", (folder / "field").string(), "--set", "model.dimension=3", "--set",
-         "diagnosis.reference_repeats=12", "--set", "release.count=100", "--set", nothing_but({"rolling_size"})},
-        kRestitution);
+    const Outcome run = diagnose(out,
+                                 {"--observed", (folder / "field").string(), "--set", "model.dimension=3", "--set",
+                                  "diagnosis.reference_repeats=12", "--set", "diagnosis.wide_search=40", "--set",
+                                  "release.count=100", "--set", nothing_but({"rolling_size"})},
+                                 kRestitution);
     ASSERT_EQ(run.code, 0) << run.err;
     EXPECT_THAT(run.out, HasSubstr("=> NAMED: rolling_size"));
     EXPECT_THAT(run.out, Not(HasSubstr("confirm with model.dimension = 3")));

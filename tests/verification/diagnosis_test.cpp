@@ -213,14 +213,14 @@ TEST(Diagnosis, GroupsWhatLooksAlike) {
     int grouped = 0;
     for (std::uint64_t k = 0; k < 4; ++k) {
         const Diagnosis d =
-            diagnose(problem, measured(blocks, 100 + k, {{kMassTrend, 0, 3.0}}), quick(k), simulate, {});
+            diagnose(problem, measured(blocks, 100 + k, {{kMassTrend, 0, 3.0}}), brief(k), simulate, {});
         EXPECT_NE(d.verdict, Verdict::Named);
         if (d.verdict != Verdict::Group) continue;
         ++grouped;
         std::set<std::size_t> members;
         for (const EffectFinding& f : d.answer) {
             members.insert(f.effect);
-            EXPECT_GT(f.p, quick(k).rejected);
+            EXPECT_GT(f.p, brief(k).rejected);
         }
         EXPECT_TRUE(members.count(kMassTrend) && members.count(kTwin));
     }
@@ -237,7 +237,7 @@ TEST(Diagnosis, FindsWhereAnEffectActs) {
     int best = 0, wrong = 0, near = 0, covered = 0;
     for (std::uint64_t k = 0; k < 12; ++k) {
         const ObservationTable table = measured(blocks, 700 + k, {{kHeldBack, 0, 7.0, hidden}});
-        const Diagnosis d = diagnosis_of(blocks, problem, table, quick(k));
+        const Diagnosis d = diagnosis_of(blocks, problem, table, brief(k));
         wrong += d.verdict == Verdict::Named && d.answer.front().effect != kHeldBack;
         const EffectFinding& f = d.findings.front();
         if (d.verdict == Verdict::None || !f.finalist || f.effect != kHeldBack) continue;
@@ -428,7 +428,7 @@ TEST(Diagnosis, ShuffledBlocksNameNoEffectOfMass) {
         ObservationTable table = measured(blocks, 300 + k, {{kMassTrend, 0, 3.0}});
         RandomStream random = stream(7, k);
         for (std::size_t i = table.rows() - 1; i > 0; --i) std::swap(table.block[i], table.block[random.below(i + 1)]);
-        const Diagnosis d = diagnosis_of(blocks, problem, table, quick(k));
+        const Diagnosis d = diagnosis_of(blocks, problem, table, brief(k));
         named += d.verdict == Verdict::Named && d.answer.front().effect == kMassTrend;
     }
     EXPECT_LE(named, 1);
@@ -439,7 +439,7 @@ TEST(Diagnosis, PlanningSaysWhatWouldBeSeen) {
     const DiagnosisProblem problem = problem_for(blocks, all_effects());
     const ObservationTable like = measured(blocks, 1, {});
     const Diagnosis plan = plan_test(
-        problem, like, quick(1), [&](const DiagnosisTask& t) { return std::optional(throw_blocks(blocks, t)); }, {});
+        problem, like, brief(1), [&](const DiagnosisTask& t) { return std::optional(throw_blocks(blocks, t)); }, {});
     EXPECT_EQ(plan.verdict, Verdict::None);
     for (const EffectFinding& f : plan.findings) {
         if (std::isfinite(f.smallest_seen)) {
@@ -453,7 +453,7 @@ TEST(Diagnosis, PlanningSaysWhatWouldBeSeen) {
         constexpr int kCases = 10;
         for (std::uint64_t k = 0; k < kCases; ++k)
             rejected +=
-                diagnosis_of(blocks, problem, measured(blocks, 400 + k, {{kMassTrend, 0, f.smallest_seen}}), quick(k))
+                diagnosis_of(blocks, problem, measured(blocks, 400 + k, {{kMassTrend, 0, f.smallest_seen}}), brief(k))
                     .verdict != Verdict::None;
         EXPECT_NEAR(rejected / static_cast<double>(kCases), 0.8, 0.3);  // two standard errors
     }

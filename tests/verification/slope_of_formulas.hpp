@@ -107,7 +107,7 @@ inline DiagnosisSettings quick(std::uint64_t seed) {
 /// Wide searches end early: for tests of what lies near.
 inline DiagnosisSettings brief(std::uint64_t seed) {
     DiagnosisSettings s = quick(seed);
-    s.wide_search = 80;
+    s.wide_search = 40;
     return s;
 }
 

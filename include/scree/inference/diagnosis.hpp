@@ -79,7 +79,7 @@ struct DiagnosisSettings {
     double level = 0.05;        ///< share of models without a flaw that are rejected [-]
     std::size_t finalists = 6;  ///< effects that are simulated at their best strength [-]
     std::size_t wide_search =
-        200;  ///< simulations of a search all over the ranges, for a form that goes on to its end; a fifth at least, and no fewer than 40, for every one [-]
+        200;  ///< simulations of a search all over the ranges, for a form that goes on to its end; a fifth at least, and no fewer than 40, for every one; 0: no such searches [-]
     int rounds = 6;  ///< surveys on the way there, at most: it ends where it has settled [-]
     double prior_none =
         0.5;  ///< weight of the calibrated model before the data, once the test has rejected it; the effects share the rest [-]
