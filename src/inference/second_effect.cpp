@@ -11,6 +11,9 @@ namespace {
 constexpr double kLeastStrength = 0.02;
 /// Nor was one that is not so many standard deviations from zero then [-].
 constexpr double kSure = 2.0;
+/// What a second effect explains besides, as a share of what the best one explains alone, below which it may take up what the formula of the catalogue leaves of the one that acts:
+/// fitted best, v leaves 2 % of the square of v^1.5 where speeds are spread evenly from 0 on, and 6 % of that of v^2 [-].
+constexpr double kFormulaShare = 0.1;
 /// Step of its derivative, of the largest strength [-].
 constexpr double kStep = 0.08;
 
@@ -84,9 +87,16 @@ EffectFinding second_beside(const EffectFinding& first, const Diagnosis& beside)
     return second;
 }
 
-bool answer_with_two(const EffectFinding& one, double most, const Diagnosis& beside, Diagnosis& d) {
+/// Of two effects that leave so much together; else the other formula of one may be all there is.
+bool second_explains_enough(double left, const EffectFinding& best_alone, const Diagnosis& d) {
+    return best_alone.misfit - left >= kFormulaShare * (d.score.q - best_alone.misfit);
+}
+
+bool answer_with_two(const EffectFinding& one, double most, const Diagnosis& beside, const EffectFinding& best_alone,
+                     Diagnosis& d) {
     if (beside.answer.size() != 1) return false;
     EffectFinding other = beside.answer.front();
+    if (!second_explains_enough(other.misfit, best_alone, d)) return false;
     const double deviation = other.parameter_deviation.back();
     if (!acts(other.parameters.back(), deviation)) return false;
     d.answer = {as_left(one, most, other.parameters, deviation)};
@@ -114,11 +124,12 @@ bool explain_with_two(const DiagnosisProblem& problem, const DiagnosisSimulation
     const Diagnosis beside_first = beside(first);
     if (beside_first.interrupted) return false;
     bool answered = answer_with_one(first, most(first), beside_first, settings, d);
-    const EffectFinding second = answered ? EffectFinding() : second_beside(first, beside_first);
+    const bool any_second = !answered && second_explains_enough(0.0, first, d);
+    const EffectFinding second = any_second ? second_beside(first, beside_first) : EffectFinding();
     if (second.finalist) {
         const Diagnosis beside_second = beside(second);
         if (beside_second.interrupted) return false;
-        answered = answer_with_two(second, most(second), beside_second, d);
+        answered = answer_with_two(second, most(second), beside_second, first, d);
     }
     if (!answered) return true;
     if (d.answer.size() == 1)  // as it is told among the others

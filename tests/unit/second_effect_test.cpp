@@ -62,6 +62,7 @@ protected:
             {"drag", false, {{"", kMostDrag}}}, {"rolling", false, {{"", kMostRolling}}}, {"bias", true, {{"", 3.0}}}};
         found.verdict = Verdict::Unknown;
         found.simulated_blocks = 1000;
+        found.score.q = 60.0;
         found.findings = {finalist(kDrag, 20.0, 0.97, {0.4}), finalist(kRolling, 25.0, 0.01, {0.45})};
         found.findings[0].p = 0.01;
     }
@@ -179,6 +180,30 @@ TEST_F(SecondEffect, TwoAreNamedWhereTheSecondStandsWithoutTheFirst) {
         EXPECT_EQ(f.misfit, 11.0);
     }
     EXPECT_EQ(found.simulated_blocks, 1200);
+}
+
+// One effect by another formula than the catalogue's leaves a little of much, and a second takes that up.
+TEST_F(SecondEffect, NoPairWhereTheSecondExplainsLittleOfTheWhole) {
+    answers = {named_beside(finalist(kRolling, 12.0, 0.96, {0.35, 0.6})),
+               named_beside(finalist(kDrag, 11.0, 0.98, {0.33, 0.7}))};
+    found.score.q = 120.0;  // of which the drag alone leaves 20
+    ASSERT_TRUE(explain());
+    EXPECT_EQ(found.verdict, Verdict::Unknown);
+    EXPECT_TRUE(found.answer.empty());
+    EXPECT_EQ(asked.size(), 2U);
+
+    asked.clear();
+    found.score.q = 105.0;
+    ASSERT_TRUE(explain());
+    EXPECT_TRUE(found.together) << "9 of 85";
+}
+
+TEST_F(SecondEffect, NoneIsAskedForWhereItCouldExplainNoMoreThanLittle) {
+    answers = {named_beside(finalist(kRolling, 12.0, 0.96, {0.35, 0.6}))};
+    found.score.q = 230.0;  // a tenth of the 210 that the drag explains is more than it leaves
+    ASSERT_TRUE(explain());
+    EXPECT_EQ(asked.size(), 1U) << "but whether the first suffices is";
+    EXPECT_EQ(found.verdict, Verdict::Unknown);
 }
 
 TEST_F(SecondEffect, WhatComesNearestBesideTheFirstIsAskedThoughItHasNoName) {
