@@ -171,6 +171,9 @@ class Case:
             self.fault = [names[0], 0.0]
         else:
             self.effects = [[name, table[name], 0.0] for name in names]
+        if any("drag" in name or "shrubs" in name for name in names if name != "forest_drag"):  # invisible where blocks bounce
+            for soil in self.soils.values():
+                soil["restitution"] = min(soil["restitution"], 0.05)
         if any("restitution" in name or "bounce" in name for name in names):  # invisible without a bounce
             for soil in self.soils.values():
                 soil["restitution"] = max(soil["restitution"], 0.2)

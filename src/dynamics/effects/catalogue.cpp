@@ -163,10 +163,13 @@ constexpr EffectInfo kCatalogue[] = {
      "stops in one place, segments between screens", "Applied before all other changes of the contact law.", kPatch},
     {K::GroundDrag, "ground_drag", "soft ground, slow motion", H::ContactForce, kOnGround,
      "F = -m c v while in contact", "viscous drag, as in RAMMS-type models of soft ground",
-     "speeds fall, hardly more stops", "Limits the speed on a slope without stopping the block.", kGroundDrag},
+     "speeds fall, hardly more stops",
+     "Limits the speed on a slope without stopping the block. A bounce takes no time and is not slowed: much where e "
+     "is 0, hardly anything from e = 0.2 on.",
+     kGroundDrag},
     {K::GroundDragQuadratic, "ground_drag_quadratic", "soft ground, fast motion", H::ContactForce, kOnGround,
-     "F = -m c |v| v while in contact", "quadratic drag", "fast blocks are slowed, hardly more stops", "",
-     kGroundDragQuadratic},
+     "F = -m c |v| v while in contact", "quadratic drag", "fast blocks are slowed, hardly more stops",
+     "A bounce takes no time and is not slowed: hardly anything from e = 0.2 on.", kGroundDragQuadratic},
     {K::ScarDrag, "scar_drag", "blocks plough compactable soil", H::ContactForce, kOnGroundAtImpact,
      "F = -1/2 (C_f + C_s) density A(d) |v| v while in contact; at an impact d = max(d, 0.1 m^(1/3) M_E^(-0.4) "
      "v_n^0.8), with "
@@ -178,7 +181,7 @@ constexpr EffectInfo kCatalogue[] = {
      "speeds, small blocks most; v over spin rises", "Force through the centre of mass: no torque.", kScar},
     {K::ScarDragReduced, "scar_drag_reduced", "blocks plough soft soil, one number", H::ContactForce, kOnGround,
      "F = -m k |v| v / L while in contact", "Lu et al. 2019 with A proportional to L^2", "speeds, small blocks most",
-     "", kScarReduced},
+     "A bounce takes no time and is not slowed: hardly anything from e = 0.2 on.", kScarReduced},
     {K::AirDrag, "air_drag", "air", H::Force, kInZone, "F = -1/2 air_density C_d pi/4 L^2 |v| v", "drag equation",
      "hardly anything: 1 % of the weight of a block of 0.8 m at 20 m/s", "", kAir},
     {K::ForestDrag, "forest_drag", "forest as a drag zone", H::Force, kInZone, "F = -C v below the canopy",
