@@ -235,7 +235,7 @@ TEST(Diagnosis, FindsWhereAnEffectActs) {
     const DiagnosisProblem problem = problem_for(blocks, effects);
     const Stretch hidden{39.5, 43.5};  // the strips of the first look end at 30, 45 and 60 m
     int best = 0, wrong = 0, near = 0, covered = 0;
-    for (std::uint64_t k = 0; k < 12; ++k) {
+    for (std::uint64_t k = 0; k < 9; ++k) {
         const ObservationTable table = measured(blocks, 700 + k, {{kHeldBack, 0, 7.0, hidden}});
         const Diagnosis d = diagnosis_of(blocks, problem, table, brief(k));
         wrong += d.verdict == Verdict::Named && d.answer.front().effect != kHeldBack;
@@ -247,7 +247,7 @@ TEST(Diagnosis, FindsWhereAnEffectActs) {
         near += error < 2.5;
         covered += error < 1.96 * f.middle_deviation;
     }
-    EXPECT_GE(best, 8);  // 9 of 10 in the mean: 7 or fewer in one case of 200
+    EXPECT_GE(best, 6);  // 9 of 10 in the mean: 5 or fewer in one case of 120
     EXPECT_LE(wrong, 1);
     EXPECT_GE(2 * near, best);     // 7 of 10
     EXPECT_GE(covered, best - 2);  // 95 %
@@ -260,7 +260,7 @@ TEST(Diagnosis, NamesTwoEffectsThatActTogether) {
     DiagnosisProblem without_pairs = problem;
     for (CandidateEffect& e : without_pairs.effects) e.second_beside = false;
     int both = 0, wrong = 0;
-    for (std::uint64_t k = 0; k < 5; ++k) {
+    for (std::uint64_t k = 0; k < 4; ++k) {
         const ObservationTable table = measured(blocks, 600 + k, {{kMassTrend, 0, 4.0}, {kSpeedBias, 0, 3.0}});
         const Diagnosis d = diagnosis_of(blocks, problem, table, brief(k));
         for (const EffectFinding& f : d.answer) wrong += f.effect != kMassTrend && f.effect != kSpeedBias;
@@ -305,7 +305,7 @@ TEST(Diagnosis, FindsTwoEffectsWhereAThirdComesNearestAlone) {
         return std::optional(throw_blocks(blocks, made));
     };
     int both = 0, wrong = 0, friends = 0;
-    for (std::uint64_t k = 0; k < 5; ++k) {
+    for (std::uint64_t k = 0; k < 4; ++k) {
         const ObservationTable table = measured(blocks, 700 + k, {{kMassTrend, 0, 5.0}, {kSpeedBias, 0, 4.0}});
         const Diagnosis d = diagnose(problem, table, brief(k), simulate, {});
         friends += d.findings.front().effect == false_friend;
@@ -313,7 +313,7 @@ TEST(Diagnosis, FindsTwoEffectsWhereAThirdComesNearestAlone) {
         ++both;
         for (const EffectFinding& f : d.answer) wrong += f.effect == false_friend;
     }
-    EXPECT_GE(friends, 4);
+    EXPECT_GE(friends, 3);
     EXPECT_GE(both, 2);
     EXPECT_EQ(wrong, 0);
 }
@@ -357,14 +357,14 @@ TEST(Diagnosis, FindsWhatTheCalibrationHasHidden) {
     };
     const auto found = [&] {
         int right = 0;
-        for (std::uint64_t k = 0; k < 8; ++k) {
+        for (std::uint64_t k = 0; k < 6; ++k) {
             const ObservationTable table = measured(blocks, 500 + k, {{kMassTrend, 0, 4.0}});
             const Diagnosis d = diagnose(problem, table, brief(k), simulate, {});
             right += d.verdict == Verdict::Named && d.answer.front().effect == kMassTrend;
         }
         return right;
     };
-    EXPECT_LE(found(), 2);
+    EXPECT_LE(found(), 1);
     problem.given = {0.3, 0.4};
     EXPECT_GE(found(), 4);
 }
