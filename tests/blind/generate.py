@@ -5,7 +5,8 @@
 Usage: generate.py SCREE FOLDER --seed N [--first N] [--cases N] [--slopes SET] [--tiers 0,1,...] [--count N] [--threads N]
 
 Writes FOLDER/cases/NNNN/{site.toml, blocks.csv, observed/} for the finder, FOLDER/sites/ with the slopes, FOLDER/sealed/NNNN.json with what is
-hidden, and FOLDER/sealed.sha256 with the hash of each sealed file. What is hidden is drawn from sha256(seed, number of the case). Of Scree it uses
+hidden, and FOLDER/sealed.sha256 with the hash of each sealed file. What is hidden is drawn from sha256(seed, number of the case).
+A case that is sealed is not drawn again; its field test, where it is absent, is thrown again from the truth, as it was. Of Scree it uses
 the program alone, to throw the blocks of the truth (`scree run`); everything from tier 1 up comes from formulas of its own (laws.cpp, compiled
 here) or is done to the measured values here.
 
@@ -134,7 +135,7 @@ def easting(point):
 class Case:
     def __init__(self, args, number):
         self.args, self.number = args, number
-        self.random = np.random.default_rng(list(hashlib.sha256(f"{args.seed}/{number}".encode()).digest()))
+        self.random = self.chance_of()
         r = self.random
         tiers = {t: p for t, p in TIERS.items() if t in args.tiers}
         self.tier = int(r.choice(list(tiers), p=np.array(list(tiers.values())) / sum(tiers.values())))
@@ -177,6 +178,9 @@ class Case:
         if any("restitution" in name or "bounce" in name for name in names):  # invisible without a bounce
             for soil in self.soils.values():
                 soil["restitution"] = max(soil["restitution"], 0.2)
+
+    def chance_of(self, purpose=""):
+        return np.random.default_rng(list(hashlib.sha256(f"{self.args.seed}/{self.number}{purpose}".encode()).digest()))
 
     def speed_error(self, speed):
         return self.noise * (SPEED_ERROR[0] * speed + SPEED_ERROR[1])
@@ -436,7 +440,8 @@ class Case:
 
     # ---- the whole ----
 
-    def write(self, work):
+    def hide(self, work):
+        """The truth, with strengths that have the delta that was drawn."""
         truth = {"case": self.number, "tier": self.tier, "slope": self.slope, "n": self.n, "ids": self.ids, "instruments": self.instruments, "noise": self.noise,
                  "soils": self.soils, "hidden": [], "target": self.target if self.tier not in (4, 5) else None}
         if self.effects or self.fault:
@@ -461,17 +466,22 @@ class Case:
             truth["hidden"].append({"name": self.fault[0], "families": families, "strength": self.fault[1], "delta": reached, "at": None})
         if self.tier == 4:
             truth["hidden"].append({"name": "three dimensions", "families": ["third_dimension"], "strength": None, "delta": None, "at": None})
-        effects = [text(q, self.at) for _, (_, _, _, text), q in self.effects]
-        values, ids = self.throw(work, self.n, int(self.random.integers(1, 2 ** 31)), None, effects, 3 if self.tier == 4 else 2, every=True)
-        measured = self.measure(values, self.random, tuple(self.fault) if self.fault else None)
-        self.write_case(measured, ids)
         return truth
 
-    def write_case(self, measured, ids):
+    def write(self, work, truth):
+        """The field test of a truth, the same whenever it is thrown."""
+        random = self.chance_of("/thrown")
+        fault = (truth["hidden"][0]["name"], truth["hidden"][0]["strength"]) if self.fault else None
+        effects = [hidden["entry"] for hidden in truth["hidden"] if "entry" in hidden]
+        values, ids = self.throw(work, self.n, int(random.integers(1, 2 ** 31)), None, effects, 3 if self.tier == 4 else 2, every=True)
         case = self.args.folder / "cases" / f"{self.number:04d}"
-        (case / "observed").mkdir(parents=True)
+        shutil.rmtree(case, ignore_errors=True)
+        self.write_tables(case, self.measure(values, random, fault), ids)
         soils = {name: dict(START) for name in self.soils}
-        (case / "site.toml").write_text(self.site(f"../../sites/{self.slope}", soils, (), "blocks.csv", self.n, 1))
+        (case / "site.toml").write_text(self.site(f"../../sites/{self.slope}", soils, (), "blocks.csv", self.n, 1))  # last: the case is whole
+
+    def write_tables(self, case, measured, ids):
+        (case / "observed").mkdir(parents=True)
         names = ids
         if self.fault and self.fault[0] == "ids_shuffled":
             names = [ids[row] for row in self.taken_for]
@@ -536,13 +546,18 @@ def main():
         work = Path(folder)
         compile_laws(work)
         for number in range(args.first, args.first + args.cases):
-            target = sealed / f"{number:04d}.json"
-            if target.exists():
+            target, written = sealed / f"{number:04d}.json", args.folder / "cases" / f"{number:04d}" / "site.toml"
+            known = target.exists()
+            if known and written.exists():
                 continue
-            shutil.rmtree(args.folder / "cases" / f"{number:04d}", ignore_errors=True)
-            truth = Case(args, number).write(work)
+            case = Case(args, number)
+            truth = json.loads(target.read_text()) if known else case.hide(work)
+            case.write(work, truth)
             for path in [args.folder / "cases", *(args.folder / "cases").rglob("*")]:  # how long a case took to make tells what is in it
                 os.utime(path, (EPOCH, EPOCH))
+            if known:
+                print(f"case {number:04d} is thrown again", flush=True)
+                continue
             text = json.dumps(truth, indent=1) + "\n"
             target.write_text(text)
             with open(args.folder / "sealed.sha256", "a", encoding="utf-8") as list_of_hashes:

@@ -20,6 +20,7 @@ SMALL = ["calibration.screening=6", "calibration.generations=1", "calibration.se
          "diagnosis.finalists=1", "diagnosis.rounds=1", "diagnosis.wide_search=0", "diagnosis.level=0.001",
          'diagnosis.without=["soil_patch", "low_friction", "forest_drag", "slip_friction", "release_motion", "block_shape", "rolling_speed", "restitution_mass", '
          '"restitution_half_speed", "fragmentation", "roughness", "third_dimension"]']
+DRAWN = ["--seed", "smoke", "--count", "60", "--blocks", "14", "--threads", "2", "--search", "none", "--slopes", "development"]
 TRACES = ("own_law", "[[effect]]", "tier", "delta", "laws.so", "truth")
 
 
@@ -33,7 +34,7 @@ def run(script, *arguments):
 def main():
     with tempfile.TemporaryDirectory() as folder:
         for first, tier in enumerate("51"):
-            run("generate.py", sys.argv[1], folder, "--seed", "smoke", "--first", str(first), "--tiers", tier, "--count", "60", "--blocks", "14", "--threads", "2", "--search", "none", "--slopes", "development")
+            run("generate.py", sys.argv[1], folder, "--first", str(first), "--tiers", tier, *DRAWN)
         for file in (Path(folder) / "cases").rglob("*"):
             if file.is_file():
                 text = file.read_text()
@@ -52,6 +53,10 @@ def main():
         run("keep.py", str(kept), folder)
         shutil.unpack_archive(kept / "run.tar.xz", kept)
         assert run("score.py", str(kept)) == said, "a kept run scores otherwise"
+        run("generate.py", sys.argv[1], str(kept), "--first", "1", "--tiers", "1", *DRAWN)
+        for file in (Path(folder) / "cases" / "0001").rglob("*.*"):
+            again = kept / file.relative_to(folder)
+            assert again.read_bytes() == file.read_bytes(), f"{file.name} of a kept case is thrown otherwise"
         file = Path(folder) / "sealed" / "0000.json"
         file.write_text(file.read_text().replace("5", "6", 1))
         forged = subprocess.run([sys.executable, "-B", str(HERE / "score.py"), folder], capture_output=True, text=True)
