@@ -5,24 +5,16 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 
 namespace scree::cli {
 
 SetSpread spread_over_sets(std::vector<double> values) {
     values.erase(std::remove_if(values.begin(), values.end(), [](double v) { return !std::isfinite(v); }),
                  values.end());
-    SetSpread s;
-    if (values.empty()) return s;
-    const auto n = static_cast<double>(values.size());
-    s.mean = std::accumulate(values.begin(), values.end(), 0.0) / n;
-    double squares = 0.0;
-    for (const double v : values) squares += (v - s.mean) * (v - s.mean);
-    if (values.size() > 1) s.deviation = std::sqrt(squares / (n - 1.0));
+    if (values.empty()) return {};
+    const SampleSummary summary = summary_of(values);
     std::sort(values.begin(), values.end());
-    s.low = sample_quantile(values, 0.025);
-    s.high = sample_quantile(values, 0.975);
-    return s;
+    return {summary.mean, summary.deviation, sample_quantile(values, 0.025), sample_quantile(values, 0.975)};
 }
 
 std::vector<SweptKey> swept_keys(const std::vector<std::string>& changes, std::vector<std::string>& fixed) {
