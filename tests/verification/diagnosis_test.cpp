@@ -196,6 +196,16 @@ TEST(Diagnosis, PlansItsWideSearchesToTheirEnd) {
         });
     EXPECT_GT(all, 100);
     EXPECT_LE(planned.size(), 3u);  // without effect, with those that were chosen, and from the given parameters
+
+    DiagnosisSettings none = quick(0);
+    none.wide_search = 0;
+    std::set<std::string> stages;
+    diagnose(
+        problem_for(blocks, all_effects()), measured(blocks, 100, {{kMassTrend, 0, 5.0}}), none,
+        [&](const DiagnosisTask& t) { return std::optional(throw_blocks(blocks, t)); },
+        [&](const DiagnosisProgress& p) { stages.insert(p.stage); });
+    EXPECT_EQ(stages.count("wide search"), 0u) << "nor are there any where none is asked for";
+    EXPECT_EQ(stages.count("finalists"), 1u) << "but effects are followed";
 }
 
 // Two names for one and the same thing: no measurement tells them apart, and neither is the answer alone.
