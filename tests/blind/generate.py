@@ -518,6 +518,14 @@ class Case:
                         table.writerow([name, k + 1, *(f"{x:.2f}" for x in pair), f"{error:.2f}", f"{error:.2f}"])
 
 
+def hash_of(case):
+    """Of all that the finder gets."""
+    text = hashlib.sha256()
+    for path in sorted(path for path in case.rglob("*") if path.is_file()):
+        text.update(f"{path.relative_to(case)}\0".encode() + path.read_bytes() + b"\0")
+    return text.hexdigest()
+
+
 def compile_laws(folder):
     subprocess.run(["c++", "-shared", "-fPIC", "-O2", "-std=c++17", "-I", str(HERE.parents[1] / "include"), "-o", str(folder / "laws.so"),
                     str(HERE / "laws.cpp")], check=True)
@@ -553,6 +561,11 @@ def main():
             case = Case(args, number)
             truth = json.loads(target.read_text()) if known else case.hide(work)
             case.write(work, truth)
+            thrown = hash_of(written.parent)
+            if known and truth.get("field_test_sha256") != thrown:
+                shutil.rmtree(written.parent)
+                sys.exit(f"case {number:04d} is sealed, and its field test cannot be thrown again as it was: go on with the program and the generate.py that drew it, or from another --first")
+            truth["field_test_sha256"] = thrown
             for path in [args.folder / "cases", *(args.folder / "cases").rglob("*")]:  # how long a case took to make tells what is in it
                 os.utime(path, (EPOCH, EPOCH))
             if known:

@@ -57,6 +57,10 @@ def main():
         for file in (Path(folder) / "cases" / "0001").rglob("*.*"):
             again = kept / file.relative_to(folder)
             assert again.read_bytes() == file.read_bytes(), f"{file.name} of a kept case is thrown otherwise"
+        other = ["15" if word == "14" else word for word in DRAWN]
+        shutil.rmtree(kept / "cases")
+        refused = subprocess.run([sys.executable, "-B", str(HERE / "generate.py"), sys.argv[1], str(kept), "--first", "1", "--tiers", "1", *other], capture_output=True, text=True)
+        assert refused.returncode and "cannot be thrown again as it was" in refused.stderr and not (kept / "cases" / "0001").exists(), refused
         file = Path(folder) / "sealed" / "0000.json"
         file.write_text(file.read_text().replace("5", "6", 1))
         forged = subprocess.run([sys.executable, "-B", str(HERE / "score.py"), folder], capture_output=True, text=True)
