@@ -233,6 +233,7 @@ ExitCode run_diagnose(const Context& context) {
     print_warnings(context, observed.warnings);
     require_enough_blocks(context, observed);
     study.inputs = input_lines(model, observed);
+    study.distances = observed.axis_text;
     fs::path journal = folder;
     journal += ".journal";
     if (context.resume && !fs::exists(journal))

@@ -298,15 +298,21 @@ private:
     std::function<DiagnosisVariant(const DiagnosisVariant&, const Stretch&)> puts_on() const {
         const GridShape& shape = model_.terrain.data.grid.shape;
         const double wide = shape.cell * static_cast<double>(shape.columns + shape.rows);
-        return [axis = observed_.op.axis, wide, surface = model_.terrain.surface.get(), soils = s_.soils](
-                   const DiagnosisVariant& variant, const Stretch& on) {
+        const std::vector<ProfileTrack>& tracks = model_.campaign.tracks;
+        return [axis = observed_.op.axis, wide, surface = model_.terrain.surface.get(), soils = s_.soils,
+                profile = tracks.size() == 1 ? tracks.front().profile : Profile()](const DiagnosisVariant& variant,
+                                                                                   const Stretch& on) {
             DiagnosisVariant v = variant;
             v.path.reset();
             v.on = on;
             v.label = joined(v.label, "from " + metres(on.from) + " to " + metres(on.to) + " m");
             const Vec2 a = axis.point(on.from), b = axis.point(on.to), along = (b - a).normalized();
             const Vec2 left(-along.y(), along.x());
-            v.place.limit_to({{{a - wide * left, b - wide * left, b + wide * left, a + wide * left}, {}}});
+            const MultiPolygon area{{{a - wide * left, b - wide * left, b + wide * left, a + wide * left}, {}}};
+            v.place.limit_to(area);
+            if (!profile.empty())
+                if (const std::vector<Stretch> inside = profile.inside(area); !inside.empty())
+                    v.on_profile = Stretch{inside.front().from, inside.back().to};
             std::array<Vec3, 3> corners;
             const std::int64_t f = surface->facet_at(axis.point(on.middle()));
             if (f >= 0) surface->facet(f, corners, v.ground);

@@ -28,6 +28,8 @@ struct DiagnosisVariant {
     std::optional<Stretch>
         path;  ///< it acts on some stretch of this, along the axis of the observations, which is to be found
     std::optional<Stretch> on;  ///< the stretch that `place` is
+    std::optional<Stretch>
+        on_profile;  ///< the same by the chainage of the profile, which from and to of a site count; of a 2D model with one profile
 
     SoilId ground = 0;  ///< soil in the middle of `place`, which a soil patch changes
     std::optional<Effect>

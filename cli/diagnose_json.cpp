@@ -69,6 +69,7 @@ Json answer_json(const DiagnoseStudy& study, const AnswerFit& a, const AnsweredE
     if (v.on) {
         json["between_m"] = Json::array({v.on->from, v.on->to});
         json["middle_interval_95_m"] = ends_of(middle_interval(e));
+        if (v.on_profile) json["between_m_of_profile"] = Json::array({v.on_profile->from, v.on_profile->to});
     }
     if (!study.baseline.result.folds.empty()) {
         json["held_out_loss"] = a.model.result.held_out.loss;
@@ -147,6 +148,7 @@ std::string diagnose_json(const DiagnoseStudy& study) {
         json["in_addition"].push_back(
             {{"test", r.name}, {"effects_seen_at_reference", r.seen}, {"pairs_alike", r.alike}, {"also_seen", r.also}});
     json["remarks"] = diagnose_remarks(study);
+    json["distances"] = study.distances;
     if (!d.residuals.empty()) {
         json["global_test"] = {
             {"level", study.settings.level}, {"z_limit", d.test.z_limit}, {"residual_limit", d.test.residual_limit}};

@@ -83,7 +83,8 @@ struct DiagnoseStudy {
     std::vector<ObservedBlock> known_blocks;  ///< the blocks of the test, where it is known which is which
     bool planning = false;                    ///< nothing was measured yet
     bool in_plane = false;
-    double beside = kNaN;  ///< standard deviation of the measured stops to the sides of the axis [m]
+    std::string distances;  ///< what distances along the path count along, and from where, for people
+    double beside = kNaN;   ///< standard deviation of the measured stops to the sides of the axis [m]
 
     CalibratedModel baseline;
     CompareStudy before;  ///< the calibrated model

@@ -235,17 +235,26 @@ std::vector<std::string> where_sentences(const DiagnoseStudy& study) {
     return sentences;
 }
 
+/// Sites count from and to along the profile, and what is measured may be counted along another line.
+static std::string distances_text(const DiagnoseStudy& study, const DiagnosisVariant& v) {
+    std::string text = "distances count " + study.distances;
+    const auto same = [](double a, double b) { return metres_along(a) == metres_along(b); };
+    if (v.on_profile && !(same(v.on->from, v.on_profile->from) && same(v.on->to, v.on_profile->to)))
+        text += "; from " + metres_along(v.on_profile->from) + " to " + metres_along(v.on_profile->to) +
+                " m along the profile, from its head";
+    return text;
+}
+
 /// Where else an effect may be expected. A place is one; a law holds as far as it was seen.
-static std::string transfer(const CampaignResult& campaign, const AnsweredEffect& e) {
+static std::string transfer(const DiagnoseStudy& study, const CampaignResult& campaign, const AnsweredEffect& e) {
     if (e.candidate->measurement)
         return e.candidate->name + " is a matter of this test: it says nothing of other slopes";
     if (e.variant.space)
         return "what is missing is the third dimension: go on with site_extended.toml, which is 3D, and diagnose it, "
                "too";
     if (e.variant.on)
-        return e.candidate->name +
-               " belongs to that place: elsewhere look for its cause on the ground, and keep it out "
-               "of the model where there is none";
+        return e.candidate->name + " belongs to that place (" + distances_text(study, e.variant) +
+               "): elsewhere look for its cause on the ground, and keep it out of the model where there is none";
     double lightest = kInfinity, heaviest = 0.0;
     std::vector<double> speeds;
     for (const BlockResult& b : campaign.blocks) {
@@ -395,7 +404,7 @@ std::vector<std::string> diagnose_remarks(const DiagnoseStudy& study) {
                           " that were searched");
     if (study.verdict == Verdict::Named || study.verdict == Verdict::Group)
         for (const AnswerFit& a : study.answers)
-            for (const AnsweredEffect& e : a.effects) remarks.push_back(transfer(a.campaign, e));
+            for (const AnsweredEffect& e : a.effects) remarks.push_back(transfer(study, a.campaign, e));
     return remarks;
 }
 

@@ -343,12 +343,16 @@ TEST(Diagnose, WhatActsInAPlaceIsALayerOfItsOwn) {
     const fs::path out = folder / "out";
     const Outcome run = diagnose(out, {"--observed", (folder / "field").string(), "--set", "diagnosis.rounds=2",
                                        "--set", "diagnosis.wide_search=40", "--set", "diagnosis.repeats=12", "--set",
-                                       nothing_but({"soil_patch", "speed_error"})});
+                                       "observed.axis=measured", "--set", nothing_but({"soil_patch", "speed_error"})});
     ASSERT_EQ(run.code, 0) << run.err;
     EXPECT_THAT(run.out, HasSubstr("=> NAMED: soil_patch, that holds blocks back"));
-    EXPECT_THAT(run.out, HasSubstr("soil_patch belongs to that place"));
-    const json answer = json::parse(text_of(out / "diagnosis.json")).at("answer").at(0);
-    const double from = answer.at("between_m").at(0), to = answer.at("between_m").at(1);
+    EXPECT_THAT(run.out, HasSubstr("soil_patch belongs to that place (distances count along azimuth"));
+    EXPECT_THAT(run.out, HasSubstr(" m along the profile, from its head)"));
+    const json answer = json::parse(text_of(out / "diagnosis.json")).at("answer").at(0),
+               &by_profile = answer.at("between_m_of_profile"), &by_axis = answer.at("between_m");
+    const double from = by_profile.at(0), to = by_profile.at(1);
+    EXPECT_GT(from - by_axis.at(0).get<double>(), 1.0) << "the axis begins in the middle of the release";
+    EXPECT_NEAR(to - from, by_axis.at(1).get<double>() - by_axis.at(0).get<double>(), 0.5);
     EXPECT_NEAR(0.5 * (from + to), 26.0, 6.0) << "few blocks touch the ground where it begins";
     EXPECT_NEAR(to, 32.0, 3.0);
 
