@@ -200,6 +200,15 @@ void require_enough_blocks(const Context& context, const ObservedSite& observed)
                                      "what a larger test would show"));
 }
 
+/// The smallest p that so many samples can show is one of them and the measurements themselves.
+void require_enough_draws(const SiteFile& site, const DiagnosisSettings& settings) {
+    const auto least = static_cast<std::int64_t>(std::ceil(1.0 / settings.level - 1e-9)) - 1;
+    if (settings.draws >= least) return;
+    throw InputError(site.file.string() + ": diagnosis.draws = " + std::to_string(settings.draws) +
+                     " samples of chance can reject nothing at diagnosis.level = " + short_number(settings.level) +
+                     ": give at least " + std::to_string(least));
+}
+
 }  // namespace
 
 ExitCode run_diagnose(const Context& context) {
@@ -224,6 +233,7 @@ ExitCode run_diagnose(const Context& context) {
     const DiagnoseBudget budget = diagnose_budget(site.settings, study.keys.problem.parameters.size(), context.full);
     study.settings = budget.test;
     study.search = budget.search;
+    require_enough_draws(site, study.settings);
 
     const SiteModel model = load_site(site);
     print_warnings(context, model.warnings);

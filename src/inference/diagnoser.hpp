@@ -59,6 +59,10 @@ inline constexpr double kTellingStep = 1.5, kLeastStep = 0.005;
 /// What leaves so much more than the best one, with less than that to gain, is not followed any further [-].
 inline constexpr double kFarBehind = 15.0;
 
+/// Logarithm of the integral of exp(-x'Ax / 2) over the last unknowns, so many, the best of the others being taken for each of their values: with information A. Where two of them make up for each
+/// other it is far below that of the product of their standard deviations.
+double log_volume(const Eigen::MatrixXd& information, Eigen::Index last);
+
 /// A finalist that is no effect: the model itself.
 inline constexpr std::size_t kNoEffect = static_cast<std::size_t>(-1);
 /// One effect, or none, with its parameters, as far as it has been followed.
@@ -71,6 +75,7 @@ struct Hypothesis {
     double middle_deviation = kNaN;
     double place_spread = 0.0;       ///< of the middle, as fingerprints of places nearby have it [m]
     double length_deviation = kNaN;  ///< of its logarithm [-]
+    double log_room = kNaN;          ///< log_volume() of strength, middle [m] and logarithm of the length together
     std::vector<double> parameter_deviation;
     Eigen::VectorXd step;      ///< of a survey around all of them; before the first one, nothing: unknown
     double q = kInfinity;      ///< what is left [-]

@@ -192,6 +192,8 @@ public:
     }
 
     double at(const Eigen::VectorXd& by) const { return here_ - 2.0 * pull_.dot(by) + by.dot(information_ * by); }
+    /// Inverse covariance of all of them.
+    const Eigen::MatrixXd& information() const { return information_; }
     /// Standard deviation of each, all others being free.
     Eigen::VectorXd deviations() const { return information_.inverse().diagonal().cwiseMax(0.0).cwiseSqrt(); }
     /// The change that leaves least.
@@ -278,6 +280,9 @@ void Diagnoser::judge(Hypothesis& h, const Survey& s) const {
     h.middle_deviation = deviations[count + 1];
     h.middle_deviation = std::hypot(h.middle_deviation, h.place_spread);  // other places may explain as much
     h.length_deviation = deviations[count + 2];
+    Eigen::MatrixXd information = misfit.information();
+    information(count, count) += 12.0 / (most_of(h.fingerprint) * most_of(h.fingerprint));  // of those allowed
+    h.log_room = log_volume(information, 3);
 }
 
 /// Steps of the next survey: of parameters and place such as would be told, of the strength as before.

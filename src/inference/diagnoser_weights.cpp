@@ -57,6 +57,12 @@ std::vector<double> mean_weights(const std::vector<double>& log_weights, const s
     return mean;
 }
 
+double log_volume(const Eigen::MatrixXd& information, Eigen::Index last) {
+    const Eigen::MatrixXd covariance = information.inverse().bottomRightCorner(last, last);
+    return 0.5 * (static_cast<double>(last) * std::log(2.0 * std::numbers::pi) +
+                  covariance.ldlt().vectorD().array().max(1e-300).log().sum());
+}
+
 /// Of a finalist, but for what all have in common: likelihood, times the price of strength and place (Laplace's approximation with priors that are flat over the
 /// allowed strengths, the path, and the logarithm of the length; instruments that err by more than the reference strength are believed less and less) and of
 /// the choice among effects and variants.
@@ -72,9 +78,9 @@ double Diagnoser::log_weight(const Hypothesis& h) const {
         price = std::log(std::min(1.0, 2.0 * h.strength_deviation / std::sqrt(variance))) -
                 0.5 * h.strength * h.strength / variance;
     }
-    if (h.on)
-        price += share(h.middle_deviation, path_of(h.fingerprint).length()) +
-                 share(h.length_deviation, std::log(kLongestShare / kShortestShare));
+    if (h.on)  // together: a strong effect on a short stretch is much like a weak one on a long one
+        price = std::min(0.0, h.log_room - std::log(effect.variants[v.variant].most * path_of(h.fingerprint).length() *
+                                                    std::log(kLongestShare / kShortestShare)));
     return -0.5 * h.q + price +
            std::log((1.0 - settings_.prior_none) * (1.0 - settings_.prior_unnamed) /
                     static_cast<double>(problem_.effects.size() * effect.variants.size()));
@@ -111,7 +117,7 @@ void Diagnoser::weigh(Diagnosis& d, std::vector<Hypothesis>& followed) const {
             ++k;
             continue;
         }
-        if (better->on && here->on) {  // perhaps it acts in the other place
+        if (better->on && same_way(*better, *here)) {  // perhaps it acts in the other place
             const double ratio = std::exp(log_weight(*here) - log_weight(*better));
             better->middle_deviation =
                 std::hypot(better->middle_deviation,

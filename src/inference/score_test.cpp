@@ -10,6 +10,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <numeric>
 
 namespace scree {
@@ -130,6 +131,56 @@ double ScoreTest::largest_z(const ScoreResult& result) const {
     return largest;
 }
 
+namespace {
+
+bool any_known(const std::vector<double>& values) {
+    return std::any_of(values.begin(), values.end(), [](double v) { return std::isfinite(v); });
+}
+
+/// Records of screens alone, of unknown blocks, and not how many were thrown.
+bool nobody_knows_how_many(const ObservationTable& measured) {
+    bool any = false;
+    for (std::size_t k = 0; k < measured.columns.size(); ++k) {
+        const Column& c = measured.columns[k];
+        if (!any_known(measured.values[k])) continue;
+        if (c.place < 0 || c.quantity == Quantity::Passed || c.quantity == Quantity::InZone) return false;
+        any = true;
+    }
+    return any && std::all_of(measured.block.begin(), measured.block.end(), [](std::int32_t b) { return b < 0; });
+}
+
+}  // namespace
+
+/// So many blocks that at the screens there are about as many records as were taken: where few pass, most of those thrown have none.
+void NullRows::draw_until_as_many_pass(std::span<const Residual> residuals, const ObservationTable& measured) {
+    std::vector<char> hidden;
+    std::map<std::int32_t, std::pair<double, double>> at;  // records, and the share of simulated rows that have one
+    for (std::size_t k = 0; k < residuals.size(); ++k) {
+        const Residual& r = residuals[k];
+        const auto known = [&](const Column& c) {
+            const std::size_t column = measured.find(c);
+            return column < measured.columns.size() && any_known(measured.values[column]);
+        };
+        hidden.push_back(!known(r.column) || (r.kind == ResidualKind::Together && !known(r.other)));
+        if (hidden.back() || r.kind != ResidualKind::Level) continue;
+        const std::vector<double>& values = measured.values[measured.find(r.column)];
+        const auto records = std::count_if(values.begin(), values.end(), [](double v) { return std::isfinite(v); });
+        auto& [most, share] = at[r.column.place];
+        most = std::max(most, static_cast<double>(records));
+        share = std::max(share, static_cast<double>(own_.col(static_cast<Eigen::Index>(k)).array().isFinite().count()) /
+                                    static_cast<double>(std::max<Eigen::Index>(own_.rows(), 1)));
+    }
+    double records = 0.0, shares = 0.0;
+    for (const auto& [place, of_place] : at)
+        if (of_place.second > 0.0) {
+            records += of_place.first;
+            shares += of_place.second;
+        }
+    const auto thrown = shares > 0.0 ? static_cast<std::size_t>(std::lround(records / shares)) : measured.rows();
+    from_.assign(std::max(thrown, std::size_t{1}), rows_of_.size() - 1);
+    unmeasured_.assign(from_.size(), hidden);
+}
+
 NullRows::NullRows(const ResidualRows& own, std::span<const std::int32_t> block, std::span<const Residual> residuals,
                    const ObservationTable& measured)
     : own_(own) {
@@ -142,6 +193,10 @@ NullRows::NullRows(const ResidualRows& own, std::span<const std::int32_t> block,
         rows_of_[b].push_back(row);
     }
     rows_of_.push_back(std::move(all));
+    if (nobody_knows_how_many(measured)) {
+        draw_until_as_many_pass(residuals, measured);
+        return;
+    }
     auto unmeasured = [&](std::size_t row, const Column& c) {
         const std::size_t k = measured.find(c);
         if (k == measured.columns.size()) return true;

@@ -2,6 +2,7 @@
 #include "inference/second_effect.hpp"
 
 #include <algorithm>
+#include <optional>
 
 namespace scree {
 
@@ -75,6 +76,12 @@ bool answer_with_one(const EffectFinding& first, double most, const Diagnosis& b
     return true;
 }
 
+/// Of what was found beside another, whose share of its largest strength is the last parameter.
+EffectFinding without_share(EffectFinding f) {
+    f.parameters.pop_back();
+    return f;
+}
+
 /// What was found beside the first effect, or came nearest there and leaves less than that alone; else not a finalist.
 EffectFinding second_beside(const EffectFinding& first, const Diagnosis& beside) {
     EffectFinding second;
@@ -82,9 +89,13 @@ EffectFinding second_beside(const EffectFinding& first, const Diagnosis& beside)
         second = beside.answer.front();
     else if (beside.verdict == Verdict::Unknown)
         second = leaving_least(beside.findings);
-    if (!(second.misfit < first.misfit)) return {};
-    second.parameters.pop_back();
-    return second;
+    return second.misfit < first.misfit ? without_share(second) : EffectFinding();
+}
+
+/// Of an effect where it is the one name beside another; nothing where it is not.
+std::optional<double> weight_beside(const Diagnosis& beside, const EffectFinding& f) {
+    if (beside.answer.size() != 1 || beside.answer.front().effect != f.effect) return std::nullopt;
+    return beside.answer.front().weight;
 }
 
 /// Of two effects that leave so much together; else the other formula of one may be all there is.
@@ -92,21 +103,23 @@ bool second_explains_enough(double left, const EffectFinding& best_alone, const 
     return best_alone.misfit - left >= kFormulaShare * (d.score.q - best_alone.misfit);
 }
 
-bool answer_with_two(const EffectFinding& one, double most, const Diagnosis& beside, const EffectFinding& best_alone,
-                     Diagnosis& d) {
+/// What is the name beside the one acts, and explains enough.
+bool could_be_two(const Diagnosis& beside, const EffectFinding& best_alone, const Diagnosis& d) {
     if (beside.answer.size() != 1) return false;
-    EffectFinding other = beside.answer.front();
-    if (!second_explains_enough(other.misfit, best_alone, d)) return false;
-    const double deviation = other.parameter_deviation.back();
-    if (!acts(other.parameters.back(), deviation)) return false;
-    d.answer = {as_left(one, most, other.parameters, deviation)};
+    const EffectFinding& other = beside.answer.front();
+    return second_explains_enough(other.misfit, best_alone, d) &&
+           acts(other.parameters.back(), other.parameter_deviation.back());
+}
+
+/// The one, which has that weight beside the other, and what is the name beside it.
+void answer_with_two(const EffectFinding& one, double most, double weight, EffectFinding other, Diagnosis& d) {
+    d.answer = {as_left(one, most, other.parameters, other.parameter_deviation.back())};
     d.answer.front().p = other.p;
-    d.answer.front().weight = other.weight;
+    d.answer.front().weight = other.weight = std::min(weight, other.weight);
     d.answer.front().misfit = other.misfit;
     other.parameters = d.answer.front().parameters;
     d.answer.push_back(std::move(other));
     d.together = true;
-    return true;
 }
 
 }  // namespace
@@ -121,15 +134,26 @@ bool explain_with_two(const DiagnosisProblem& problem, const DiagnosisSimulation
     };
     const EffectFinding first = leaving_least(d.findings);
     if (!first.finalist || d.findings.front().p > settings.rejected) return true;
+    const bool any_second = problem.effects[first.effect].second_beside && second_explains_enough(0.0, first, d);
+    if (first.weight < settings.named && !any_second) return true;  // whatever is beside it
     const Diagnosis beside_first = beside(first);
     if (beside_first.interrupted) return false;
     bool answered = answer_with_one(first, most(first), beside_first, settings, d);
-    const bool any_second = !answered && second_explains_enough(0.0, first, d);
-    const EffectFinding second = any_second ? second_beside(first, beside_first) : EffectFinding();
+    const EffectFinding second = !answered && any_second ? second_beside(first, beside_first) : EffectFinding();
     if (second.finalist) {
         const Diagnosis beside_second = beside(second);
         if (beside_second.interrupted) return false;
-        answered = answer_with_two(second, most(second), beside_second, first, d);
+        if (could_be_two(beside_second, first, d)) {
+            const EffectFinding& other = beside_second.answer.front();
+            std::optional<double> weight = weight_beside(beside_first, second);
+            if (!weight || other.effect != first.effect) {  // it was not held against its rivals beside that
+                const Diagnosis beside_other = beside(without_share(other));
+                if (beside_other.interrupted) return false;
+                weight = weight_beside(beside_other, second);
+            }
+            if (weight) answer_with_two(second, most(second), *weight, other, d);
+            answered = weight.has_value();
+        }
     }
     if (!answered) return true;
     if (d.answer.size() == 1)  // as it is told among the others

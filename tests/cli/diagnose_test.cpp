@@ -548,6 +548,10 @@ TEST(Diagnose, RefusesInOneSentence) {
     EXPECT_EQ(absent.code, 3);
     EXPECT_THAT(absent.err, HasSubstr("diagnosis.without: \"snow\" is no effect that is searched for; there are"));
     EXPECT_FALSE(fs::exists(folder / "out.journal")) << "before anything is simulated";
+    const Outcome level = diagnose(folder / "out", {"--plan", "--set", "diagnosis.level=0.004"});
+    EXPECT_EQ(level.code, 3);
+    EXPECT_THAT(level.err, HasSubstr("diagnosis.draws = 199 samples of chance can reject nothing at diagnosis.level = "
+                                     "0.004: give at least 249"));
     const auto plan = [&](const std::vector<std::string>& more) {
         std::vector<std::string> args{"diagnose", (quarry_a() / "site.toml").string(), "--plan", "--output",
                                       (folder / "out").string()};

@@ -38,5 +38,36 @@ TEST(NullRows, AreOfTheSameBlocksAndHideWhatWasNotMeasured) {
     EXPECT_TRUE(one && other);
 }
 
+// Crossings alone, and nobody knows how many blocks were thrown: most of these have no record where few pass.
+TEST(NullRows, OfCrossingsAloneAsManyAreThrownAsLeaveSoManyRecords) {
+    constexpr Column kFirst{Quantity::Speed, 0}, kSecond{Quantity::Speed, 1};
+    constexpr int kSimulated = 2000, kDraws = 100;
+    const std::vector<Residual> residuals{{ResidualKind::Level, kFirst, {}, kNaN, kNaN},
+                                          {ResidualKind::Level, kSecond, {}, kNaN, kNaN}};
+    ResidualRows own = ResidualRows::Constant(kSimulated, 2, kNaN);
+    own.col(0).head(kSimulated / 5).setConstant(1.0);    // a fifth passes the first screen,
+    own.col(1).head(kSimulated / 20).setConstant(-1.0);  // a quarter of these the second
+    const std::vector<std::int32_t> block(kSimulated, -1);
+    ObservationTable measured{{kFirst, kSecond}, {{}, {}}, std::vector<std::int32_t>(40, -1)};
+    for (int k = 0; k < 40; ++k) {
+        measured.values[0].push_back(5.0);
+        measured.values[1].push_back(k < 10 ? 4.0 : kNaN);  // records of other blocks, side by side
+    }
+    const NullRows null(own, block, residuals, measured);
+    double first = 0.0, second = 0.0;
+    for (std::uint64_t draw = 0; draw < kDraws; ++draw) {
+        const ResidualRows rows = null.draw(1, draw);
+        ASSERT_EQ(rows.rows(), 200);
+        first += static_cast<double>(rows.col(0).array().isFinite().count()) / kDraws;
+        second += static_cast<double>(rows.col(1).array().isFinite().count()) / kDraws;
+    }
+    EXPECT_NEAR(first, 40.0, 3.0);
+    EXPECT_NEAR(second, 10.0, 1.5);
+
+    measured.columns.push_back({Quantity::Passed, 0});
+    measured.values.emplace_back(40, 1.0);
+    EXPECT_EQ(NullRows(own, block, residuals, measured).draw(1, 0).rows(), 40) << "so many were thrown";
+}
+
 }  // namespace
 }  // namespace scree::test

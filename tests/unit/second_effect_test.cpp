@@ -146,6 +146,10 @@ TEST_F(SecondEffect, OneWithRivalsIsNotNamedThough) {
     EXPECT_EQ(found.verdict, Verdict::Unknown);
     EXPECT_TRUE(found.answer.empty());
     EXPECT_EQ(asked.size(), 1U) << "and nothing was found to ask for beside";
+    asked.clear();
+    problem.effects[kDrag].second_beside = false;
+    ASSERT_TRUE(explain());
+    EXPECT_TRUE(asked.empty()) << "nor is anything, where no answer could come of it";
 }
 
 TEST_F(SecondEffect, OneThatHardlyActsOnceItIsPartOfTheModelIsNone) {
@@ -176,7 +180,7 @@ TEST_F(SecondEffect, TwoAreNamedWhereTheSecondStandsWithoutTheFirst) {
     EXPECT_EQ(found.answer[1].strength, 1.5);
     for (const EffectFinding& f : found.answer) {
         EXPECT_THAT(f.parameters, ElementsAre(0.33)) << "both with the same parameters";
-        EXPECT_EQ(f.weight, 0.98);
+        EXPECT_EQ(f.weight, 0.96) << "the smaller of the two";
         EXPECT_EQ(f.misfit, 11.0);
     }
     EXPECT_EQ(found.simulated_blocks, 1200);
@@ -204,6 +208,11 @@ TEST_F(SecondEffect, NoneIsAskedForWhereItCouldExplainNoMoreThanLittle) {
     ASSERT_TRUE(explain());
     EXPECT_EQ(asked.size(), 1U) << "but whether the first suffices is";
     EXPECT_EQ(found.verdict, Verdict::Unknown);
+
+    asked.clear();
+    found.findings[0].weight = 0.9;
+    ASSERT_TRUE(explain());
+    EXPECT_TRUE(asked.empty()) << "and that is not where it has rivals";
 }
 
 TEST_F(SecondEffect, WhatComesNearestBesideTheFirstIsAskedThoughItHasNoName) {
@@ -215,6 +224,29 @@ TEST_F(SecondEffect, WhatComesNearestBesideTheFirstIsAskedThoughItHasNoName) {
     ASSERT_EQ(asked.size(), 2U);
     EXPECT_TRUE(asked[1].effects[kRolling].variants.empty());
     EXPECT_EQ(found.verdict, Verdict::Unknown) << "nothing is missing beside that, so there are no two";
+}
+
+TEST_F(SecondEffect, WhatComesNearestIsHeldAgainstItsRivalsBeforeAPairIsNamed) {
+    Diagnosis rivals = nothing_beside(0.5, 0.05);
+    rivals.verdict = Verdict::Unknown;
+    rivals.findings = {finalist(kRolling, 12.0, 0.4, {0.35, 0.6}), finalist(kBias, 12.5, 0.3, {0.3, 0.4})};
+    const Diagnosis beside_rolling = named_beside(finalist(kDrag, 11.0, 0.98, {0.33, 0.7}));
+    answers = {rivals, beside_rolling, rivals};
+    ASSERT_TRUE(explain());
+    ASSERT_EQ(asked.size(), 3U);
+    EXPECT_TRUE(asked[2].effects[kDrag].variants.empty()) << "beside the other of the two";
+    EXPECT_THAT(asked[2].calibrated, ElementsAre(0.33, DoubleEq(1.0 / kMostDrag)));
+    EXPECT_EQ(found.verdict, Verdict::Unknown);
+    EXPECT_TRUE(found.answer.empty());
+
+    asked.clear();
+    answers = {rivals, beside_rolling, named_beside(finalist(kRolling, 11.2, 0.96, {0.34, 0.5}))};
+    ASSERT_TRUE(explain());
+    EXPECT_TRUE(found.together);
+    ASSERT_EQ(found.answer.size(), 2U);
+    EXPECT_EQ(found.answer[0].effect, kRolling);
+    EXPECT_EQ(found.answer[0].weight, 0.96);
+    EXPECT_EQ(found.answer[1].weight, 0.96);
 }
 
 TEST_F(SecondEffect, NoPairWhereNoneIsNamedOrOneOfTheTwoHardlyActs) {

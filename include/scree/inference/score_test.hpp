@@ -88,7 +88,7 @@ private:
 class NullRows {
 public:
     /// `own` are simulated rows of these residuals, and `block` says of which blocks; `measured` says which block each row is of and what was not measured at
-    /// all of a block that was there. Keeps a reference to `own`.
+    /// all of a block that was there. Where screens saw some blocks pass and nobody knows how many were thrown, as many are drawn as would leave so many records. Keeps a reference to `own`.
     NullRows(const ResidualRows& own, std::span<const std::int32_t> block, std::span<const Residual> residuals,
              const ObservationTable& measured);
     /// Those of the reference.
@@ -98,10 +98,13 @@ public:
     ResidualRows draw(std::uint64_t seed, std::uint64_t number) const;
 
 private:
+    void draw_until_as_many_pass(std::span<const Residual> residuals, const ObservationTable& measured);
+
     const ResidualRows& own_;
     std::vector<std::vector<std::uint32_t>> rows_of_;  ///< simulated ones per block, and behind them all
-    std::vector<std::size_t> from_;                    ///< per measured row: which of these it is drawn from
-    std::vector<std::vector<char>> unmeasured_;        ///< per measured row and residual
+    std::vector<std::size_t>
+        from_;  ///< per drawn row, which are the measured ones if all are known: which of these it is drawn from
+    std::vector<std::vector<char>> unmeasured_;  ///< per drawn row and residual
 };
 
 /// Probabilities of the global test, each with those that chance gives by the same rule.
