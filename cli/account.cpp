@@ -73,9 +73,9 @@ std::vector<gis::ProvenanceEntry> provenance(const SiteFile& site, const SiteMod
 std::string settings_from(const SiteFile& site, const SiteSettings& settings, const fs::path& folder) {
     return settings_as_toml(settings, [&](const std::string& path) {
         if (path == settings.output_directory || site.is_gdal_name(path)) return path;
-        const fs::path file = site.resolve(path);
+        const fs::path file = fs::absolute(site.resolve(path));
         std::error_code error;
-        const fs::path relative = fs::relative(file, folder, error);
+        const fs::path relative = fs::relative(file, fs::absolute(folder), error);  // the folder may not be there yet
         return error || relative.empty() ? fs::absolute(file).string() : relative.string();
     });
 }

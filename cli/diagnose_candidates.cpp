@@ -268,7 +268,7 @@ private:
                 on.place.soil = static_cast<int>(k);
                 on.soil = s_.soils[k].name;
                 on.label = joined(v.label, "on " + on.soil);
-                to.variants.push_back(on);
+                to.variants.push_back(on.on_ground(s_.soils));
             }
         if ((search.where == Where::Stretch || search.where == Where::StretchOnly) && length_ > 0.0)
             to.variants.push_back(on_a_stretch(v));

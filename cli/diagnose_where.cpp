@@ -170,10 +170,12 @@ std::optional<Figure> where_along_path(const DiagnoseStudy& study, const SiteMod
     double most = 1.15 * limit;
     for (const Item& i : items) most = std::max(most, 1.1 * std::abs(i.z));
     std::vector<Vec2> ground;
+    const double base = model.terrain.data.frame.height;
     for (int k = 0; k <= kHeights; ++k) {
         const double along = end * k / kHeights;
         const Vec2 p = observed.op.axis.point(along);
-        if (model.terrain.surface->facet_at(p) >= 0) ground.emplace_back(along, model.terrain.surface->height(p));
+        if (model.terrain.surface->facet_at(p) >= 0)
+            ground.emplace_back(along, model.terrain.surface->height(p) + base);
     }
     if (items.empty() || ground.empty()) return std::nullopt;
     const auto [lowest, highest] =

@@ -199,7 +199,10 @@ std::string verdict_sentence(const DiagnoseStudy& study) {
     if (study.planning) return "planned: what a test like this could see";
     switch (study.verdict) {
         case Verdict::None:
-            return "NONE: the calibrated model could have produced these measurements (p = " + p_text(d.test.p) +
+            return std::string("NONE: the ") +
+                   (study.moved ? "model, with the parameters that all measurements together ask for,"
+                                : "calibrated model") +
+                   " could have produced these measurements (p = " + p_text(d.test.p) +
                    "); nothing is missing that they could show";
         case Verdict::Named:
             return "NAMED: " + described(study.answers.front());
@@ -362,12 +365,12 @@ std::vector<std::string> diagnose_remarks(const DiagnoseStudy& study) {
                               "effect often drives it there");
     }
     if (study.moved) {
-        remarks.push_back("the calibration minimises a part of what was measured; all of it together asks for " +
-                          moved_parameters(study) + ": " +
-                          (study.verdict == Verdict::None ? "with that the model could have produced it, and " : "") +
-                          "site_extended.toml and results.gpkg have that (gap over all " +
-                          gap_number(study.told().overall.gap) + "; of the calibrated model " +
-                          gap_number(study.before.overall.gap) + ")");
+        remarks.push_back(
+            "the calibration minimises a part of what was measured; all of it together asks for " +
+            moved_parameters(study) + ": " +
+            (study.verdict == Verdict::None ? "it is the model with that which could have produced it, and " : "") +
+            "site_extended.toml and results.gpkg have that (gap over all " + gap_number(study.told().overall.gap) +
+            "; of the calibrated model " + gap_number(study.before.overall.gap) + ")");
     }
     if (study.baseline.as_followed) remarks.push_back(as_followed_remark("the calibrated model"));
     for (const AnswerFit& a : study.answers) {

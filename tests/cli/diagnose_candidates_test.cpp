@@ -31,6 +31,9 @@ TEST(DiagnoseCandidates, LowFrictionIsLowerThanTheGround) {
         for (const DiagnosisVariant& v : c.variants) {
             if (v.kind != EffectKind::LowFriction) continue;
             ++seen;
+            if (v.place.soil >= 0) {
+                EXPECT_EQ(v.value(0.0), site.settings.soils[static_cast<std::size_t>(v.place.soil)].friction);
+            }
             for (const double friction : {0.15, 0.3, 0.9}) {
                 std::vector<Soil> soils(site.settings.soils.size());
                 for (Soil& soil : soils) soil.friction = friction;

@@ -52,6 +52,15 @@ TEST(DiagnoseExtended, MayBeDiagnosedAgain) {
     EXPECT_EQ(twice.resolve(twice.settings.dtm), once.resolve(once.settings.dtm));
 }
 
+// A folder that is named without a path, and that a diagnosis is still to make.
+TEST(DiagnoseExtended, ItsPathsAreRelativeBeforeItsFolderIsThere) {
+    DiagnosisVariant space;
+    space.space = true;
+    const std::string text = extended_toml(named(quarry_a() / "site.toml", kSpace, space), 0, "not_there_yet");
+    EXPECT_THAT(text, HasSubstr("dtm = '../"));
+    EXPECT_THAT(text, HasSubstr("quarry_a/data/dtm.tif'"));
+}
+
 // No member of a group is more than a guess: each has a file that says so and leads to its own place.
 TEST(DiagnoseExtended, EveryMemberOfAGroupHasAFile) {
     const TempDir folder;

@@ -128,6 +128,11 @@ TEST(DiagnoseWords, EveryVerdictHasItsSentence) {
     EXPECT_EQ(verdict_sentence(study),
               "NONE: the calibrated model could have produced these measurements (p = 0.002); nothing is missing that "
               "they could show");
+    study.moved.emplace();
+    EXPECT_THAT(verdict_sentence(study),
+                HasSubstr("NONE: the model, with the parameters that all measurements together "
+                          "ask for, could have produced these measurements"));
+    study.moved.reset();
     for (const DiagnosisCandidate& c : study.catalogue.candidates) {
         AnswerFit& fit = study.answers.emplace_back();
         fit.effects.push_back({&c, c.variants.front(), {}, 0.0, {}});
