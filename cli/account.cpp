@@ -76,7 +76,7 @@ std::string settings_from(const SiteFile& site, const SiteSettings& settings, co
         const fs::path file = fs::absolute(site.resolve(path));
         std::error_code error;
         const fs::path relative = fs::relative(file, fs::absolute(folder), error);  // the folder may not be there yet
-        return error || relative.empty() ? fs::absolute(file).string() : relative.string();
+        return error || relative.empty() ? file.string() : relative.string();
     });
 }
 

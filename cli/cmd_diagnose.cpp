@@ -14,6 +14,7 @@
 #include "scree/base/error.hpp"
 #include "scree/inference/residual_space.hpp"
 
+#include <cmath>
 #include <memory>
 #include <ostream>
 

@@ -365,12 +365,10 @@ std::vector<std::string> diagnose_remarks(const DiagnoseStudy& study) {
                               "effect often drives it there");
     }
     if (study.moved) {
-        remarks.push_back(
-            "the calibration minimises a part of what was measured; all of it together asks for " +
-            moved_parameters(study) + ": " +
-            (study.verdict == Verdict::None ? "it is the model with that which could have produced it, and " : "") +
-            "site_extended.toml and results.gpkg have that (gap over all " + gap_number(study.told().overall.gap) +
-            "; of the calibrated model " + gap_number(study.before.overall.gap) + ")");
+        remarks.push_back("the calibration minimises a part of what was measured; all of it together asks for " +
+                          moved_parameters(study) + ": site_extended.toml and results.gpkg have that (gap over all " +
+                          gap_number(study.told().overall.gap) + "; of the calibrated model " +
+                          gap_number(study.before.overall.gap) + ")");
     }
     if (study.baseline.as_followed) remarks.push_back(as_followed_remark("the calibrated model"));
     for (const AnswerFit& a : study.answers) {

@@ -289,6 +289,7 @@ TEST(Diagnose, FindsNothingInATestOfTheModelItself) {
     EXPECT_THAT(run.out, HasSubstr("=> NONE"));
     EXPECT_THAT(run.out, HasSubstr("what would be seen in 4 of 5 such tests"));
     EXPECT_THAT(text_of(out / "site_extended.toml"), Not(HasSubstr("[[effect]]")));
+    EXPECT_THAT(text_of(out / "figures" / "where_along.svg"), HasSubstr(">240</text>")) << "heights of the map";
     const json restarted = json::parse(text_of(out / "diagnosis.json")).at("restarted");
     ASSERT_EQ(restarted.size(), 3U) << "who passes the second screen, how fast, and where they stop";
     for (const json& row : restarted) EXPECT_FALSE(row.at("beyond_chance")) << row;
