@@ -350,7 +350,7 @@ void add_diagnosis(std::vector<Setting<SiteSettings>>& keys) {
                              "How often every measured block is simulated by the calibrated model."));
     keys.push_back(d.integer("repeats", {5, 1e5}, AT(diagnosis.repeats),
                              "Likewise per derivative and effect: fewer blur what is visible."));
-    keys.push_back(d.integer("draws", {99, 1e6}, AT(diagnosis.draws), "Samples of chance."));
+    keys.push_back(d.integer("draws", {99, 1e6}, AT(diagnosis.draws), "Samples of chance: 1 / level - 1 at least."));
     keys.push_back(d.integer("finalists", {1, 100}, AT(diagnosis.finalists),
                              "Effects that are followed to the strength and parameters that explain most."));
     keys.push_back(d.texts("without", AT(diagnosis_without),

@@ -14,9 +14,9 @@ from pathlib import Path
 import terrains  # noqa: F401  (ends here as skipped where numpy or GDAL's module is absent)
 
 HERE = Path(__file__).resolve().parent
-# nothing is rejected at this level, so that the time does not depend on chance: what follows a rejection has tests of its own (tests/cli/diagnose_test.cpp)
+# hardly anything is rejected at this level, so that the time does not depend on chance: what follows a rejection has tests of its own (tests/cli/diagnose_test.cpp)
 SMALL = ["calibration.screening=6", "calibration.generations=1", "calibration.search_repeats=3", "calibration.surroundings=30", "calibration.repeats=3",
-         "calibration.final_repeats=6", "calibration.folds=0", "diagnosis.reference_repeats=20", "diagnosis.repeats=6", "diagnosis.draws=199",
+         "calibration.final_repeats=6", "calibration.folds=0", "diagnosis.reference_repeats=20", "diagnosis.repeats=6", "diagnosis.draws=999",
          "diagnosis.finalists=1", "diagnosis.rounds=1", "diagnosis.wide_search=0", "diagnosis.level=0.001",
          'diagnosis.without=["soil_patch", "low_friction", "forest_drag", "slip_friction", "release_motion", "block_shape", "rolling_speed", "restitution_mass", '
          '"restitution_half_speed", "fragmentation", "roughness", "third_dimension"]']
