@@ -27,7 +27,7 @@ struct Bar {
 
 /// Horizontal bars around zero with the limits of chance.
 Figure bar_chart(const std::vector<Bar>& bars, double low_limit, double high_limit, const std::string& title,
-                 const std::string& axis, const std::string& chance) {
+                 const std::string& axis, const std::string& strong, const std::string& chance) {
     double names = 60.0, most = 1.0, notes = 20.0;
     for (const Bar& b : bars) {
         names = std::max(names, 20.0 + text_width(b.name, 12.0));
@@ -59,7 +59,7 @@ Figure bar_chart(const std::vector<Bar>& bars, double low_limit, double high_lim
     svg.segment({x(0.0), kTop}, {x(0.0), kTop + height}, stroke(kTextColour, 1.0));
     svg.text({10.0, 20.0}, title, words(13.5, "start", true));
     Vec2 at(names, 40.0);
-    at.x() += draw_legend(svg, at, LegendMark::Box, kSimulatedColour, "beyond chance");
+    at.x() += draw_legend(svg, at, LegendMark::Box, kSimulatedColour, strong);
     draw_legend(svg, at, LegendMark::Box, "#ececec", chance);
     return {"", "", "", svg.text()};
 }
@@ -77,7 +77,7 @@ Figure where_figure(const DiagnoseStudy& study) {
                         d.score.standardised[static_cast<Eigen::Index>(k)],
                         d.test.residual_p[static_cast<Eigen::Index>(k)] <= study.settings.level, ""});
     Figure f = bar_chart(bars, -d.test.residual_limit, d.test.residual_limit, "What the calibrated model leaves",
-                         "measured less simulated [standard deviations]", chance_words(study));
+                         "measured less simulated [standard deviations]", "beyond chance", chance_words(study));
     f.file = "where.svg";
     f.title = "Residuals of the calibrated model";
     f.caption =
@@ -90,21 +90,24 @@ Figure effects_figure(const DiagnoseStudy& study) {
     const Diagnosis& d = study.diagnosis;
     std::vector<Bar> bars;
     for (const EffectFinding& f : d.findings) {
-        const double value = study.planning ? f.visibility : f.z;
-        bars.push_back({study.candidate_of(f).name, value,
-                        value > d.test.z_limit && (study.planning || f.beyond_chance),
-                        f.finalist ? "weight " + weight_text(f.weight) : ""});
+        if (study.planning)
+            bars.push_back({study.candidate_of(f).name, f.visibility, f.smallest_seen <= 1.0,
+                            reference_strength(study.variant_of(f))});
+        else
+            bars.push_back({study.candidate_of(f).name, f.z, f.z > d.test.z_limit && f.beyond_chance,
+                            f.finalist ? "weight " + weight_text(f.weight) : ""});
     }
     if (study.planning)  // else finalists first, by weight
         std::stable_sort(bars.begin(), bars.end(), [](const Bar& a, const Bar& b) { return a.value > b.value; });
-    Figure f =
-        bar_chart(bars, kNaN, d.test.z_limit, study.planning ? "What could be seen" : "What explains it",
-                  study.planning ? "z to expect at the reference strength" : "z of the effect", chance_words(study));
+    Figure f = bar_chart(bars, kNaN, d.test.z_limit, study.planning ? "What could be seen" : "What explains it",
+                         study.planning ? "z to expect at the reference strength" : "z of the effect",
+                         study.planning ? "seen in 4 of 5 tests" : "beyond chance", chance_words(study));
     f.file = "effects.svg";
     f.title = study.planning ? "What could be seen" : "What explains it";
     f.caption =
         study.planning
-            ? "How many standard deviations an effect at its reference strength would move the measurements, "
+            ? "How many standard deviations an effect at its reference strength (behind the bar) would move the "
+              "measurements, "
               "with all taken out that a recalibration would absorb."
             : "Bars: how well each effect, at its best place and form, explains what the calibrated model "
               "leaves, in standard deviations; beyond chance if it is so in a place looked at from the start, "

@@ -30,7 +30,8 @@ Json finding_json(const DiagnoseStudy& study, const EffectFinding& f) {
               {"visibility_at_reference", f.visibility},
               {"reference", {{"parameter", v.parameter}, {"unit", v.unit()}, {"value", v.value(1.0)}}}};
     if (!v.space) json["searched_up_to"] = v.value(v.most);
-    if (std::isfinite(f.smallest_seen)) {
+    if (std::isnan(f.smallest_seen)) {  // something is missing: not told
+    } else if (std::isfinite(f.smallest_seen)) {
         const DiagnosisVariant seen = study.catalogue.variant(f.effect, f.seen_variant, f.seen_on);
         json["smallest_seen"] = {{"form", seen.form()},
                                  {"label", seen.label},

@@ -25,11 +25,13 @@ namespace fs = std::filesystem;
 
 void print_power(std::ostream& out, const DiagnoseStudy& study) {
     out << "what would be seen in 4 of 5 such tests, at the level of " << short_number(100.0 * study.settings.level)
-        << " %, after recalibration:\n";
+        << " %, after recalibration, in the form and place where it is seen most easily:\n";
     for (const EffectFinding& f : study.diagnosis.findings) {
         const std::string alike = look_alikes(study, f);
         out << "  " << padded(study.candidate_of(f).name, 24) << (std::isfinite(f.smallest_seen) ? " from " : " ")
-            << smallest_seen(study, f) << (alike.empty() ? "" : "; looks like " + alike) << "\n";
+            << smallest_seen(study, f)
+            << (study.planning ? "; its reference is " + reference_strength(study.variant_of(f)) : "")
+            << (alike.empty() ? "" : "; looks like " + alike) << "\n";
     }
     const std::vector<FurtherRow> rows = further_rows(study);
     if (rows.empty()) return;
@@ -63,11 +65,7 @@ void print_answers(std::ostream& out, const DiagnoseStudy& study) {
     for (const AnswerFit& a : study.answers) {
         for (const AnsweredEffect& e : a.effects)
             out << "  " << variant_name(e.variant) << ": " << strength_text(e) << "\n";
-        if (const auto share = removable_gap_closed(study, a))
-            out << (*share > 0.0 ? "  closes " : "  widens by ")
-                << short_number(100.0 * std::min(1.0, *share) * (*share > 0.0 ? 1.0 : -1.0))
-                << " % of the removable held-out gap\n";
-        if (const std::string gain = gain_text(study, a); !gain.empty()) out << "  " << gain << "\n";
+        for (const std::string& s : held_out_sentences(study, a)) out << "  " << s << "\n";
     }
     for (std::size_t k = 0; k < study.answers.size(); ++k) {
         const std::vector<ScreenChange> changes = changes_at_screens(study, k);
@@ -82,6 +80,21 @@ void print_answers(std::ostream& out, const DiagnoseStudy& study) {
                 out << padded(short_number(v.before) + " -> " + short_number(v.after), 18);
             out << "\n";
         }
+    }
+}
+
+/// Columns as wide as what is in them, the first one as everywhere.
+void print_parameters(std::ostream& out, const DiagnoseStudy& study) {
+    const auto rows = parameter_rows(study);
+    out << "\n";
+    for (const std::vector<std::string>& row : rows) {
+        std::string line;
+        for (std::size_t k = 0; k < row.size(); ++k) {
+            std::size_t width = k == 0 ? 32 : 0;
+            for (const std::vector<std::string>& other : rows) width = std::max(width, other[k].size());
+            line += k + 1 == row.size() ? row[k] : padded(row[k], width + 2);
+        }
+        out << line << "\n";
     }
 }
 
@@ -104,6 +117,7 @@ void print_diagnosis(std::ostream& out, const DiagnoseStudy& study) {
     if (!force.empty()) out << "\nwhat has no name, as a force (fingerprints, after recalibration):\n";
     for (const std::string& s : force) out << "  " << s << "\n";
     if (!study.answers.empty()) print_answers(out, study);
+    if (study.judged()) print_parameters(out, study);
     const std::vector<std::string> apart = telling_apart_sentences(study);
     if (!apart.empty()) out << "\nwhat would tell them apart, if one of them is at work:\n";
     for (const std::string& s : apart) out << "  " << s << "\n";
@@ -133,22 +147,26 @@ std::string extended_toml(const DiagnoseStudy& study, std::size_t answer, const 
 
 namespace {
 
-/// What the rest of the test says of every place, and of blocks that it was not told of.
-std::string places_html(const DiagnoseStudy& study, const AnswerFit& a) {
-    const std::vector<CalibrationPlace>&before = study.baseline.result.places, &with = a.model.result.places;
-    if (before.empty() || before.size() != with.size()) return "";
+/// What the rest of the test says of every place, and of blocks that it was not told of; of the calibrated model beside an extended one, if there is one.
+std::string places_html(const DiagnoseStudy& study, const AnswerFit* a) {
+    const std::vector<CalibrationPlace>& before = study.baseline.result.places;
+    if (before.empty() || (a && before.size() != a->model.result.places.size())) return "";
+    std::vector<std::string> head{"at"};
+    for (const char* what : {"all blocks, calibrated", "held out, calibrated", "left out, calibrated"}) {
+        head.emplace_back(what);
+        if (a) head.emplace_back("extended");
+    }
     std::vector<std::vector<std::string>> rows;
     for (std::size_t k = 0; k < before.size(); ++k) {
-        const CalibrationPlace &b = before[k], &w = with[k];
-        rows.push_back({b.name, gap_number(b.best.gap()), gap_number(w.best.gap()), gap_number(b.held_out.gap()),
-                        gap_number(w.held_out.gap()), gap_number(b.test.gap()), gap_number(w.test.gap())});
+        rows.push_back({before[k].name});
+        for (const auto fit : {&CalibrationPlace::best, &CalibrationPlace::held_out, &CalibrationPlace::test}) {
+            rows.back().push_back(gap_number((before[k].*fit).gap()));
+            if (a) rows.back().push_back(gap_number((a->model.result.places[k].*fit).gap()));
+        }
     }
     return "<p>Gap of what is fitted, by where it was measured: of all blocks, of blocks held out, and of the whole "
-           "place "
-           "left out of the calibration.</p>\n" +
-           html_table({"at", "all blocks, calibrated", "extended", "held out, calibrated", "extended",
-                       "left out, calibrated", "extended"},
-                      rows);
+           "place left out of the calibration.</p>\n" +
+           html_table(head, rows);
 }
 
 std::string gaps_html(const DiagnoseStudy& study, const AnswerFit& a) {
@@ -166,25 +184,31 @@ std::string gaps_html(const DiagnoseStudy& study, const AnswerFit& a) {
         rows.push_back({"what was fitted", gap_number(study.baseline.result.best_fit.gap()),
                         gap_number(a.model.result.best_fit.gap()), held_out_text(study.baseline),
                         held_out_text(a.model), ""});
-    const std::string gain = gain_text(study, a);
+    const std::vector<std::string> held_out = held_out_sentences(study, a);
     return html_table({"gap", "calibrated", "with " + a.name(), "of blocks held out, calibrated", "with " + a.name(),
-                       "chance"},
+                       "95 % of chance, with " + a.name()},
                       rows) +
-           (gain.empty() ? "" : "<p>Of what is fitted " + gain + ".</p>\n") + places_html(study, a);
+           (held_out.empty() ? "" : "<p>Of what is fitted:</p>\n" + html_list(held_out)) + places_html(study, &a);
 }
 
-/// The parameters that are told where no answer stands, and what they leave.
+/// Parameters, and where no answer says more what the calibrated model leaves.
+std::string parameters_html(const DiagnoseStudy& study) {
+    if (!study.judged()) return "";
+    std::vector<std::vector<std::string>> rows = parameter_rows(study);
+    const std::vector<std::string> head = rows.front();
+    rows.erase(rows.begin());
+    std::string html = "<h2>Parameters</h2>\n" + html_table(head, rows);
+    if (study.answers.empty() && !study.baseline.result.folds.empty())
+        html += "<p>Of what is fitted the calibrated model has a gap of " +
+                gap_number(study.baseline.result.best_fit.gap()) + ", of " + held_out_text(study.baseline) +
+                " on blocks held out.</p>\n" + places_html(study, nullptr);
+    return html;
+}
+
+/// What the parameters leave that are told where no answer stands.
 std::string moved_html(const DiagnoseStudy& study) {
     if (!study.moved) return "";
-    std::vector<std::vector<std::string>> parameters, gaps;
-    for (std::size_t k = 0; k < study.keys.problem.parameters.size(); ++k)
-        parameters.push_back({study.keys.problem.parameters[k].name, short_number(study.baseline.point.values[k]),
-                              short_number(study.moved->point.values[k])});
-    for (std::size_t k = 0; k < study.keys.problem.choices.size(); ++k) {
-        const CalibrationChoice& c = study.keys.problem.choices[k];
-        parameters.push_back(
-            {c.name, c.levels[study.baseline.point.levels[k]], c.levels[study.moved->point.levels[k]]});
-    }
+    std::vector<std::vector<std::string>> gaps;
     const CompareStudy &before = study.before, &moved = study.moved->study;
     for (std::size_t k = 0; k < before.observables.size(); ++k)
         gaps.push_back({before.observables[k].gap.observable.name, gap_number(before.observables[k].gap.pooled.gap),
@@ -192,8 +216,7 @@ std::string moved_html(const DiagnoseStudy& study) {
     gaps.push_back({"all", gap_number(before.overall.gap), gap_number(moved.overall.gap), chance_text(moved.overall)});
     return "<h2>Without an effect</h2>\n<p>Other parameters than the calibrated ones leave less of all that was "
            "measured, and site_extended.toml has them.</p>\n" +
-           html_table({"parameter", "calibrated", "told"}, parameters) +
-           html_table({"gap", "calibrated", "told", "chance"}, gaps);
+           html_table({"gap", "calibrated", "told", "95 % of chance, told"}, gaps);
 }
 
 std::string innovations_html(const DiagnoseStudy& study) {
@@ -230,15 +253,28 @@ std::string consequences_html(const DiagnoseStudy& study, std::size_t answer) {
 }
 
 std::string effects_html(const DiagnoseStudy& study) {
+    const bool power = study.planning || study.diagnosis.verdict == Verdict::None;
+    std::vector<std::string> head{"effect", "form and place", "reference", "z to expect there", "searched up to"};
+    if (!study.planning) head.emplace_back("z");
+    if (power)
+        head.emplace_back("seen in 4 of 5 tests from");
+    else
+        head.insert(head.end(), {"weight", "p of what it leaves"});
+    head.emplace_back("looks like");
     std::vector<std::vector<std::string>> rows;
-    for (const EffectFinding& f : study.diagnosis.findings)
-        rows.push_back({study.candidate_of(f).name, variant_name(study.variant_of(f)),
-                        study.planning ? "" : short_number(f.z), short_number(f.visibility), smallest_seen(study, f),
-                        most_searched(study.variant_of(f)), f.finalist ? weight_text(f.weight) : "",
-                        f.finalist ? p_text(f.p) : "", look_alikes(study, f)});
-    return html_table({"effect", "form and place", "z", "z to expect at its reference", "seen in 4 of 5 tests from",
-                       "searched up to", "weight", "p of what it leaves", "looks like"},
-                      rows);
+    for (const EffectFinding& f : study.diagnosis.findings) {
+        const DiagnosisVariant v = study.variant_of(f);
+        rows.push_back({study.candidate_of(f).name, variant_name(v), reference_strength(v), short_number(f.visibility),
+                        most_searched(v)});
+        std::vector<std::string>& row = rows.back();
+        if (!study.planning) row.push_back(short_number(f.z));
+        if (power)
+            row.push_back(smallest_seen(study, f));
+        else
+            row.insert(row.end(), {f.finalist ? weight_text(f.weight) : "", f.finalist ? p_text(f.p) : ""});
+        row.push_back(look_alikes(study, f));
+    }
+    return html_table(head, rows);
 }
 
 std::string further_html(const DiagnoseStudy& study) {
@@ -255,7 +291,8 @@ std::string further_html(const DiagnoseStudy& study) {
 
 constexpr const char* kHow =
     R"(<p><b>z</b>: how well an effect explains what the calibrated model leaves, in standard deviations, with everything taken out that a recalibration absorbs. <b>Weight</b>: of the
-finalists, the calibrated model and something without a name, from simulations at the strength and parameters that fit best. <b>p of what it leaves</b>: how often the effect's own simulations look as far off as the
+finalists, the calibrated model and something without a name, from simulations at the strength and parameters that fit best. <b>Seen from</b>: after a search for parameters that make up
+for the effect, in the form and place named beside it, where it is seen most easily; elsewhere it takes more. <b>p of what it leaves</b>: how often the effect's own simulations look as far off as the
 measurements. <b>Removable gap</b>: what the held-out blocks lose beyond one more repeat of the simulation. Blocks held out are predicted by refits to the others, which begin from a search, a strength and a place
 that all blocks had their part in: the honest check is a second test.</p>
 )";
@@ -296,7 +333,7 @@ std::string diagnose_html(const DiagnoseStudy& study, const std::vector<Figure>&
             html << "<p>" << escaped(variant_name(e.variant) + ": " + strength_text(e)) << ".</p>\n";
         html << gaps_html(study, a) << consequences_html(study, k);
     }
-    html << moved_html(study);
+    html << moved_html(study) << parameters_html(study);
     if (!study.diagnosis.findings.empty())
         html << "<h2>All effects that were searched</h2>\n" << effects_html(study) << kHow;
     for (const ModelFigures& m : of_models) {

@@ -124,7 +124,9 @@ public:
     void try_forces() {
         const CalibratedModel model = tested_model();
         study_.forces = make_forces(test_.site_at(model.point), in_.model, in_.observed, study_.keys);
-        study_.by_force = scree::plan_test(problem(model, study_.forces), measured(), study_.settings,
+        DiagnosisSettings settings = study_.settings;
+        settings.power_search = 0;  // nobody asks from which strength on a force without a name is seen
+        study_.by_force = scree::plan_test(problem(model, study_.forces), measured(), settings,
                                            simulation(model, study_.forces), reporter());
         study_.interrupted = study_.by_force.interrupted;
     }
@@ -140,6 +142,7 @@ public:
         for (FurtherInstrument& i : further_instruments(in_.observed)) instruments.push_back(std::move(i));
         DiagnosisSettings settings = study_.settings;
         settings.repeats *= kGroupRepeats;
+        settings.power_search = 0;
         try_instruments(tested_model(), members, instruments, settings);
     }
 

@@ -44,6 +44,10 @@ std::string variant_name(const DiagnosisVariant& v) {
     return v.label.empty() ? name : name + ", " + v.label;
 }
 
+std::string reference_strength(const DiagnosisVariant& v) {
+    return v.parameter + " " + with_unit(v.value(1.0), v.unit());
+}
+
 std::string most_searched(const DiagnosisVariant& v) {
     return v.space ? "" : v.parameter + " " + with_unit(v.value(v.most), v.unit());
 }
@@ -74,11 +78,40 @@ std::string held_out_text(const CalibratedModel& m) {
     return m.result.folds.empty() ? "-" : gap_number(m.result.held_out.gap());
 }
 
-std::string gain_text(const DiagnoseStudy& study, const AnswerFit& answer) {
-    const auto gain = held_out_gain(study, answer);
-    if (!gain) return "";
-    return "a block held out loses " + short_number(std::abs(gain->mean)) + " +- " + short_number(gain->error) +
-           (gain->mean < 0.0 ? " more with " : " less with ") + answer.name() + " (mean and standard error)";
+std::vector<std::string> held_out_sentences(const DiagnoseStudy& study, const AnswerFit& answer) {
+    std::vector<std::string> sentences;
+    if (const auto share = removable_gap_closed(study, answer))
+        sentences.push_back((*share > 0.0 ? "closes " : "widens by ") +
+                            short_number(100.0 * std::min(1.0, std::abs(*share))) + " % of the removable held-out gap");
+    if (const auto gain = held_out_gain(study, answer))
+        sentences.push_back("a block held out loses " + short_number(std::abs(gain->mean)) + " +- " +
+                            short_number(gain->error) + (gain->mean < 0.0 ? " more with " : " less with ") +
+                            answer.name() + " (mean and standard error)");
+    return sentences;
+}
+
+std::vector<std::vector<std::string>> parameter_rows(const DiagnoseStudy& study) {
+    std::vector<std::string> head{"parameter", "as given", "calibrated"};
+    std::vector<const CalibrationPoint*> points{&study.baseline.result.start, &study.baseline.point};
+    if (study.moved) {
+        head.emplace_back("told");
+        points.push_back(&study.moved->point);
+    }
+    for (const AnswerFit& a : study.answers) {
+        head.push_back("with " + a.name());
+        points.push_back(&a.model.point);
+    }
+    std::vector<std::vector<std::string>> rows{head};
+    const CalibrationProblem& problem = study.keys.problem;
+    for (std::size_t k = 0; k < problem.parameters.size(); ++k) {
+        rows.push_back({problem.parameters[k].name});
+        for (const CalibrationPoint* p : points) rows.back().push_back(short_number(p->values[k]));
+    }
+    for (std::size_t k = 0; k < problem.choices.size(); ++k) {
+        rows.push_back({problem.choices[k].name});
+        for (const CalibrationPoint* p : points) rows.back().push_back(problem.choices[k].levels[p->levels[k]]);
+    }
+    return rows;
 }
 
 std::string smallest_seen(const DiagnoseStudy& study, const EffectFinding& f) {

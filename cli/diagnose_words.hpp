@@ -32,6 +32,8 @@ std::string chance_words(const DiagnoseStudy& study);
 
 /// "ground_drag, linear, on loose waste".
 std::string variant_name(const DiagnosisVariant& v);
+/// "coefficient 0.3 1/s": at strength 1.
+std::string reference_strength(const DiagnosisVariant& v);
 /// "coefficient 9 1/s": the largest strength that is searched; empty where there is none to search for.
 std::string most_searched(const DiagnosisVariant& v);
 /// "coefficient 0.31 1/s (95 %: 0.2 to 0.45)", and where its middle is if it acts on a stretch that was looked for.
@@ -40,8 +42,10 @@ std::string strength_text(const AnsweredEffect& e);
 Interval middle_interval(const AnsweredEffect& e);
 /// Gap of what is fitted on blocks held out, "-" without folds.
 std::string held_out_text(const CalibratedModel& m);
-/// "a block held out loses 0.12 +- 0.03 less with ground_drag"; empty where none was.
-std::string gain_text(const DiagnoseStudy& study, const AnswerFit& answer);
+/// "closes 80 % of the removable gap of blocks held out", "a block held out loses 0.12 +- 0.03 less with ground_drag"; as far as there are any.
+std::vector<std::string> held_out_sentences(const DiagnoseStudy& study, const AnswerFit& answer);
+/// Free parameters and choices as given, calibrated, told where no answer stands, and with every answer; under a row of heads.
+std::vector<std::vector<std::string>> parameter_rows(const DiagnoseStudy& study);
 /// Smallest strength that four of five tests would see, "not visible" if none does.
 std::string smallest_seen(const DiagnoseStudy& study, const EffectFinding& f);
 /// Effects that look like this one after a recalibration.

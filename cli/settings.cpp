@@ -364,6 +364,10 @@ void add_diagnosis(std::vector<Setting<SiteSettings>>& keys) {
                              "effects, 40 at least, before they are followed from the best place found; forms of "
                              "theirs that leave more end earlier. 0: none, which is faster and misses strong effects "
                              "that the calibration has made up for."));
+    keys.push_back(d.integer("power_search", {0, 10000}, AT(diagnosis.power_search),
+                             "Simulations of every block in a search for parameters that would make up for an effect, "
+                             "for each strength that NONE and a plan say would be seen. 0: none, which is faster and "
+                             "promises too much of strong effects."));
     keys.push_back(d.integer("rounds", {1, 100}, AT(diagnosis.rounds),
                              "Surveys on the way there, of simulations all around, at most."));
 }

@@ -98,7 +98,8 @@ void best_first(std::vector<EffectFinding>& findings);
 void leave_out_rejected(Diagnosis& d, double rejected);
 
 /// What diagnose() and plan_test() do, step by step: the model is tested and judged in diagnosis.cpp, effects are looked for in diagnoser_search.cpp,
-/// followed in diagnoser_follow.cpp, their places found in diagnoser_places.cpp, and all of them weighed in diagnoser_weights.cpp.
+/// followed in diagnoser_follow.cpp, their places found in diagnoser_places.cpp, and all of them weighed in diagnoser_weights.cpp; diagnoser_power.cpp says
+/// what would have been seen.
 class Diagnoser {
 public:
     Diagnoser(const DiagnosisProblem& problem, const ObservationTable& measured, const DiagnosisSettings& settings,
@@ -129,10 +130,16 @@ private:
     bool visible_anywhere(std::size_t first_strip, const ScoreResult& score) const;
     std::optional<std::vector<Fingerprint>> take_parts(std::size_t first_strip, const ScoreResult& score);
     bool look_closer(Diagnosis& d);
+    struct Substitutes;
+    std::optional<double> expected_z(const EffectDose& dose, double enough, Substitutes& substitutes);
+    std::optional<double> strength_seen(std::size_t fingerprint, double promised, double enough,
+                                        Substitutes& substitutes);
+    bool find_strengths_seen(Diagnosis& d);
     void judge(Diagnosis& d) const;
     void find(Diagnosis& d) const;
     std::size_t fingerprint_of(const EffectFinding& f) const;
     std::vector<EffectFinding> findings(const ScoreResult& score, double z_limit) const;
+    Eigen::VectorXd from_ranges(const Eigen::VectorXd& u) const;
     Hypothesis unfollowed(std::size_t fingerprint) const;
     std::vector<Hypothesis> finalists(const std::vector<EffectFinding>& findings) const;
     /// Simulations all around a place, and what is measured seen from there.

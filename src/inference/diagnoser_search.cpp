@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Looking far from the model, with few simulations, for what is then followed: strong effects, and parameters and strengths from all over their ranges.
-#include "inference/diagnoser.hpp"
-#include "inference/emulated_search.hpp"
+#include "inference/diagnoser_view.hpp"
 
 #include "scree/base/random.hpp"
 
@@ -21,8 +20,6 @@ constexpr std::size_t kScanned = 32, kScannedOfOne = 8, kChosenOfOne = 2;
 /// Searches all over the ranges of one form, each of them with trials of its own; share of the trials that every one has, then those of the better half, and so on [-].
 constexpr std::size_t kStarts = 2;
 constexpr std::array kStages{0.2, 0.2, 0.25, 0.35};
-/// Variance that the noise of a trial has at least: of the measured mean, which has as many rows [-].
-constexpr double kLeastNoise = 0.25;
 /// What the best trial must leave less for all to be seen from there, of Q [-].
 constexpr double kWorthSeeing = 8.0;
 /// What it may leave for that, per residual [-].
@@ -86,21 +83,6 @@ std::optional<std::vector<Hypothesis>> Diagnoser::strong_finalists() {
     return chosen;
 }
 
-/// What trials are compared with the measurements in: the residual space of one simulation.
-struct Diagnoser::View {
-    View(ResidualSpace of, const ObservationTable& measured)
-        : space(std::move(of)),
-          observed(mean_residual(space.of(measured))),
-          noise(mean_covariance(row_covariance(space), observed.together)),
-          left(in_noise(observed.mean).squaredNorm()) {}
-    Eigen::VectorXd in_noise(const Eigen::VectorXd& mean) const { return noise.matrixL().solve(mean); }
-
-    ResidualSpace space;
-    ResidualMean observed;
-    Eigen::LLT<Eigen::MatrixXd> noise;  ///< of the measured mean
-    double left;                        ///< by the simulation behind it [-]
-};
-
 /// Parameters, strength and place that leave little, from all over what is allowed: what is followed from one place alone ends in its valley, and a calibration has made up for a strong
 /// effect in another one.
 struct Diagnoser::WideSearch {
@@ -124,11 +106,12 @@ Diagnoser::WideSearch Diagnoser::search_for(Hypothesis h) {
         low.tail(2) << path.from, std::log(kShortestShare * path.length());
         high.tail(2) << path.to, std::log(kLongestShare * path.length());
     }
-    return {std::move(h),
-            std::move(low),
-            std::move(high),
-            EmulatedSearch(size, kLeastNoise, RandomStream(settings_.seed, next_seed_++, RandomPurpose::Diagnosis)),
-            {}};
+    return {
+        std::move(h),
+        std::move(low),
+        std::move(high),
+        EmulatedSearch(size, View::kLeastNoise, RandomStream(settings_.seed, next_seed_++, RandomPurpose::Diagnosis)),
+        {}};
 }
 
 Eigen::VectorXd Diagnoser::unknowns_at(const WideSearch& w, const Eigen::VectorXd& u) const {

@@ -15,8 +15,6 @@ namespace scree {
 
 namespace {
 
-/// z beyond the limit at which four of five effects are seen: the 80 % quantile of the normal distribution [-].
-constexpr double kFourOfFive = 0.8416;
 /// So many times as many effects as finalists are looked at more closely [-], if their z is at least this share of the best one's [-]: an effect is often stronger, and
 /// the parameters elsewhere, than its fingerprint tells.
 constexpr std::size_t kCandidates = 2;
@@ -84,6 +82,12 @@ std::optional<ObservationTable> Diagnoser::simulate(const char* stage, const Eig
     ++done_;
     if (table) simulated_ += static_cast<std::int64_t>(table->rows());
     return table;
+}
+
+/// A place of the unit cube.
+Eigen::VectorXd Diagnoser::from_ranges(const Eigen::VectorXd& u) const {
+    const Eigen::VectorXd low = to_vector(problem_.low);
+    return low + u.cwiseProduct(to_vector(problem_.high) - low);
 }
 
 Eigen::VectorXd Diagnoser::within_ranges(Eigen::VectorXd parameters) const {
@@ -256,7 +260,6 @@ std::vector<EffectFinding> Diagnoser::findings(const ScoreResult& score, double 
     for (std::size_t e = 0; e < problem_.effects.size(); ++e) {
         EffectFinding f;
         f.effect = e;
-        f.smallest_seen = kInfinity;
         Eigen::Index at = -1;
         for (std::size_t k = 0; k < variants_.size(); ++k) {
             if (variants_[k].effect != e) continue;
@@ -270,14 +273,7 @@ std::vector<EffectFinding> Diagnoser::findings(const ScoreResult& score, double 
                 return seen_a != seen_b ? seen_a : score.z[a] > score.z[b];
             };
             if (at < 0 || better(i, at)) at = i;
-            if (k >= planned_variants_) continue;
-            f.beyond_chance = f.beyond_chance || score.z[i] > z_limit;
-            const double strength = (z_limit + kFourOfFive) / std::max(score.expected[i], 1e-9);
-            if (strength <= most_of(k) && strength < f.smallest_seen) {
-                f.smallest_seen = strength;
-                f.seen_variant = variants_[k].variant;
-                f.seen_on = variants_[k].on;
-            }
+            f.beyond_chance = f.beyond_chance || (k < planned_variants_ && score.z[i] > z_limit);
         }
         if (at < 0) continue;
         f.variant = variants_[static_cast<std::size_t>(at)].variant;
@@ -428,6 +424,7 @@ Diagnosis Diagnoser::run(Of of) {
             break;
         }
     }
+    if ((of == Of::Plan || (of == Of::Calibrated && !rejected(d))) && !find_strengths_seen(d)) return d;
     d.parameters.assign(base_.parameters.data(), base_.parameters.data() + base_.parameters.size());
     d.simulated_blocks = simulated_;
     d.interrupted = false;

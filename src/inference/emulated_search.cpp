@@ -109,6 +109,11 @@ void EmulatedSearch::tell_again(const std::vector<Eigen::VectorXd>& residuals) {
     learn();
 }
 
+void EmulatedSearch::tell_of_another(const std::vector<Eigen::VectorXd>& residuals) {
+    reach_ = kReach;
+    tell_again(residuals);
+}
+
 void EmulatedSearch::learn() {
     telling_.clear();
     for (std::size_t k = 0; k < trials_.size(); ++k)

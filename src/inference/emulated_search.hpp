@@ -28,6 +28,8 @@ public:
     void tell(const std::vector<Eigen::VectorXd>& residuals);
     /// Other residuals of all trials so far: they are compared with something else now.
     void tell_again(const std::vector<Eigen::VectorXd>& residuals);
+    /// The same where that is something else altogether, and the best place may be anywhere again.
+    void tell_of_another(const std::vector<Eigen::VectorXd>& residuals);
 
     /// The trial for which the least sum is expected, and what is expected there; infinite, and the middle of the cube, as long as none says anything.
     const Eigen::VectorXd& best() const { return best_; }

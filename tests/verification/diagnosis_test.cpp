@@ -470,6 +470,41 @@ TEST(Diagnosis, PlanningSaysWhatWouldBeSeen) {
     EXPECT_NEAR(plan.cosines(0, 0), 1.0, 1e-9);
 }
 
+// A parameter that acts by its square has no derivative at 0, and makes up for ten units of an effect that acts as it does, all the same.
+TEST(Diagnosis, PlanningKnowsWhatParametersMakeUpForFarAway) {
+    const auto blocks = blocks_of_test();
+    constexpr std::size_t kLikeParameter = 0, kOther = 1;
+    DiagnosisProblem problem =
+        problem_for(blocks, {{"as the parameter", false, {{"", 30.0}}}, {"mass", false, {{"", 5.0}}}});
+    problem.calibrated = {0.0, 0.4};
+    problem.low = {-1.0, 0.0};
+    const auto thrown = [&](const DiagnosisTask& t) {
+        DiagnosisTask task = t;
+        task.effects.clear();
+        task.parameters[0] = 0.3 + t.parameters[0] * t.parameters[0];
+        for (const EffectDose& d : t.effects)
+            if (d.effect == kLikeParameter)
+                task.parameters[0] += 0.1 * d.strength;
+            else
+                task.effects.push_back({kMassTrend, 0, d.strength});
+        return std::optional(throw_blocks(blocks, task));
+    };
+    const auto seen = [&](std::size_t power_search, std::size_t effect) {
+        DiagnosisSettings settings = brief(1);
+        settings.power_search = power_search;
+        const Diagnosis plan = plan_test(problem, measured(blocks, 1, {}), settings, thrown, {});
+        for (const EffectFinding& f : plan.findings)
+            if (f.effect == effect) return f.smallest_seen;
+        return kNaN;
+    };
+    const double by_derivatives = seen(0, kLikeParameter), with_search = seen(16, kLikeParameter);
+    EXPECT_LT(by_derivatives, 8.0);
+    EXPECT_GT(with_search, 10.0);
+    EXPECT_LT(with_search, 1.5 * (10.0 + by_derivatives)) << "told within a factor of 1.5";
+    // what no parameter makes up for is seen as early as before
+    EXPECT_NEAR(seen(16, kOther) / seen(0, kOther), 1.0, 0.3);
+}
+
 TEST(Diagnosis, DependsOnTheSeedAlone) {
     const auto blocks = blocks_of_test();
     const DiagnosisProblem problem = problem_for(blocks, all_effects());

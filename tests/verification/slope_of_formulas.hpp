@@ -101,6 +101,7 @@ inline DiagnosisSettings quick(std::uint64_t seed) {
     s.reference_repeats = 60;
     s.repeats = 30;
     s.draws = 199;
+    s.power_search = 0;
     return s;
 }
 

@@ -80,6 +80,8 @@ struct DiagnosisSettings {
     std::size_t finalists = 6;  ///< effects that are simulated at their best strength [-]
     std::size_t wide_search =
         200;  ///< simulations of a search all over the ranges, for a form that goes on to its end; a fifth at least, and no fewer than 40, for every one; 0: no such searches [-]
+    /// Trials of a search for parameters that would make up for an effect, for each strength that might be seen; 0: that is told by derivatives alone [-].
+    std::size_t power_search = 16;
     int rounds = 6;  ///< surveys on the way there, at most: it ends where it has settled [-]
     double prior_none =
         0.5;  ///< weight of the calibrated model before the data, once the test has rejected it; the effects share the rest [-]
@@ -102,8 +104,8 @@ struct EffectFinding {
     bool visible = false;                 ///< at some strength that is allowed
     double z = kNaN;                      ///< of its fingerprint [-]
     double visibility = kNaN;             ///< z to expect at the reference strength [-]
-    double smallest_seen =
-        kNaN;  ///< strength that would be seen with a probability of 80 %; infinite if none of those allowed [-]
+    double smallest_seen = kNaN;  ///< strength that would be seen with a probability of 80 %; infinite if none of those
+                                  ///< allowed; not told where something is missing [-]
     std::size_t seen_variant = 0;    ///< the variant that is seen at the smallest strength, which this is
     std::optional<Stretch> seen_on;  ///< and where
     bool beyond_chance =

@@ -1,0 +1,143 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// From which strength on an effect would be seen, whatever values a recalibration gives the parameters.
+#include "inference/diagnoser_view.hpp"
+
+#include "scree/base/random.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace scree {
+
+namespace {
+
+constexpr const char* kStage = "strengths that would be seen";
+/// z beyond the limit at which four of five effects are seen: the 80 % quantile of the normal distribution [-].
+constexpr double kFourOfFive = 0.8416;
+/// Forms and places of an effect that are looked at, those first whose derivatives promise most [-].
+constexpr std::size_t kFormsOfOne = 2;
+/// Strengths of each at most, the last one the largest that is allowed; and the factors between them, and at last [-].
+constexpr int kStrengths = 6;
+constexpr double kGrowth = 2.0, kCloseEnough = 1.5;
+
+}  // namespace
+
+/// Models without effect from all over the ranges: each may make up for any effect, so that all are held against all of them.
+struct Diagnoser::Substitutes {
+    EmulatedSearch search;                 ///< for the parameters that make up for the effect looked at
+    std::vector<ObservationTable> tables;  ///< of its trials
+};
+
+/// z to expect of an effect of this strength on the model, the parameters being where they make up for most of it; or any value less than `enough` if it is.
+/// The linear absorption of a score test is asked from the model itself, from where that leads, and from the best of the substitutes.
+std::optional<double> Diagnoser::expected_z(const EffectDose& dose, double enough, Substitutes& substitutes) {
+    auto table = simulate(kStage, base_.parameters, {dose}, settings_.repeats);
+    if (!table) return std::nullopt;
+    const auto rows = static_cast<double>(table->rows());
+    View view(
+        ResidualSpace(std::move(*table), measured_, problem_.blocks, settings_.residuals, base_.space->residuals()),
+        measured_);
+    if (!comparable(view.observed, base_.observed)) return kInfinity;  // another world: nothing passes any more
+    view.observed.mean = mean_residual(view.space.of_reference()).mean;
+    const Eigen::MatrixXd covariance = row_covariance(view.space);
+
+    double least = kInfinity;
+    Eigen::VectorXd shift = Eigen::VectorXd::Zero(base_.parameters.size());
+    const auto hold_against = [&](const ObservationTable& without) {
+        const ResidualMean mean = mean_residual(view.space.of(without));
+        if (!simulates_enough(mean, without.rows(), view.observed)) return;
+        const ResidualMean change{view.observed.mean - mean.mean, view.observed.together};
+        const double over = 1.0 / rows + 1.0 / static_cast<double>(without.rows());
+        const ScoreTest test(covariance, base_.slopes.directions, deviation_, {{change.mean, 1.0 / over}});
+        const ScoreResult score = test(change);
+        if (!(score.visibility[0] < least)) return;
+        least = score.visibility[0];
+        shift = score.shift;
+    };
+    const auto simulate_at = [&](const Eigen::VectorXd& parameters) {
+        const auto without = simulate(kStage, parameters, {}, half_repeats());
+        if (without) hold_against(*without);
+        return without.has_value();
+    };
+    hold_against(base_.space->reference());
+    if (least < enough) return least;
+    if (!simulate_at(within_ranges(base_.parameters + shift))) return std::nullopt;
+    if (least < enough) return least;
+
+    const auto residuals = [&](const ObservationTable& t) { return residuals_of(t, view); };
+    std::vector<Eigen::VectorXd> told(substitutes.tables.size());
+    std::transform(substitutes.tables.begin(), substitutes.tables.end(), told.begin(), residuals);
+    substitutes.search.tell_of_another(told);
+    for (std::size_t trials = 0; trials < settings_.power_search;) {
+        told.clear();
+        for (const Eigen::VectorXd& u : substitutes.search.ask()) {
+            auto without = simulate(kStage, from_ranges(u), {}, 1);
+            if (!without) return std::nullopt;
+            told.push_back(residuals(*without));
+            substitutes.tables.push_back(std::move(*without));
+            trials += substitutes.tables.size() > EmulatedSearch::kSpread;
+        }
+        substitutes.search.tell(told);
+    }
+    const Eigen::VectorXd best = from_ranges(substitutes.search.best());
+    const double before = least;
+    if (!simulate_at(best)) return std::nullopt;
+    if (least < enough || least == before) return least;
+    if (!simulate_at(within_ranges(best + shift))) return std::nullopt;
+    return least;
+}
+
+/// Of one form, the least strength of which so much z is to be expected, from what its derivatives promise upwards; told too large rather than too small. Infinite: none that is
+/// allowed.
+std::optional<double> Diagnoser::strength_seen(std::size_t fingerprint, double promised, double enough,
+                                               Substitutes& substitutes) {
+    const double most = most_of(fingerprint);
+    double unseen = 0.0, seen = kInfinity;
+    EffectDose dose = variants_[fingerprint];
+    dose.strength = promised;
+    for (int tried = 1; unseen < most && !(seen <= kCloseEnough * unseen); ++tried) {
+        const std::optional<double> z = expected_z(dose, enough, substitutes);
+        if (!z) return std::nullopt;
+        (*z >= enough ? seen : unseen) = dose.strength;
+        if (unseen == 0.0) break;
+        dose.strength = std::isfinite(seen)       ? std::sqrt(unseen * seen)
+                        : tried + 1 == kStrengths ? most
+                                                  : std::min(kGrowth * dose.strength, most);
+    }
+    return seen;
+}
+
+/// Where nothing is missing, or nothing was measured yet: derivatives tell too much of what parameters make up for far from where they are.
+bool Diagnoser::find_strengths_seen(Diagnosis& d) {
+    const double enough = d.test.z_limit + kFourOfFive;
+    const Eigen::Index count = base_.parameters.size();
+    if (!std::isfinite(enough)) return true;
+    const RandomStream random(settings_.seed, next_seed_++, RandomPurpose::Diagnosis);
+    std::optional<Substitutes> substitutes;
+    if (settings_.power_search > 0 && count > 0)
+        substitutes.emplace(EmulatedSearch(count, View::kLeastNoise, random), std::vector<ObservationTable>{});
+    for (EffectFinding& f : d.findings) {
+        f.smallest_seen = kInfinity;
+        std::vector<std::pair<double, std::size_t>> forms;
+        for (std::size_t k = 0; k < planned_variants_; ++k) {
+            const double promised = enough / std::max(d.score.expected[static_cast<Eigen::Index>(k)], 1e-9);
+            if (variants_[k].effect == f.effect && promised <= most_of(k)) forms.emplace_back(promised, k);
+        }
+        std::sort(forms.begin(), forms.end());
+        if (substitutes) forms.resize(std::min(forms.size(), kFormsOfOne));
+        planned_ += forms.size() * (substitutes ? 4 + settings_.power_search : 0);
+        for (const auto& [promised, k] : forms) {
+            if (!(promised < f.smallest_seen)) break;
+            const std::optional<double> seen =
+                substitutes ? strength_seen(k, promised, enough, *substitutes) : promised;
+            if (!seen) return false;
+            if (!(*seen < f.smallest_seen)) continue;
+            f.smallest_seen = *seen;
+            f.seen_variant = variants_[k].variant;
+            f.seen_on = variants_[k].on;
+        }
+    }
+    return true;
+}
+
+}  // namespace scree
