@@ -143,7 +143,8 @@ void add_options(CLI::App& sub, const Command& command, Context& context) {
                        "With --plan, what would be measured of each block: stops, at the screens speed, height, "
                        "spin, and the speeds before and after its first three impacts (default stops,speed; all: "
                        "stops,speed,height,spin,impacts)")
-            ->type_name("LIST");
+            ->type_name("LIST")
+            ->needs("--plan");
     }
     if (name == "sweep")
         sub.add_option("--sets", context.sets, "Sets of blocks per value, behind the scatter (default 20)")

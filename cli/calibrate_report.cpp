@@ -111,6 +111,12 @@ std::string value_text(double value, const Interval& interval) {
     return gis::axis_number(value, std::pow(10.0, std::floor(std::log10(length)) - 1.0));
 }
 
+std::string held_out_remark(const std::string& what) {
+    return "every fold of " + what +
+           " ends at the point that all blocks together chose, so that its blocks held out are none: their score is "
+           "what was fitted, and favours it; more calibration.surroundings give folds points of their own";
+}
+
 std::vector<std::string> calibration_remarks(const CalibrationReport& r) {
     std::vector<std::string> remarks;
     const std::vector<CalibrationParameter>& p = r.keys.problem.parameters;
@@ -151,6 +157,7 @@ std::vector<std::string> calibration_remarks(const CalibrationReport& r) {
         remarks.push_back(
             "the quadratic around the best point explains " + short_number(100.0 * r.result.surroundings.explained) +
             " % of the losses there: mostly noise; more calibration.repeats or calibration.surroundings help");
+    if (r.result.held_out_was_seen()) remarks.push_back(held_out_remark("the calibration"));
     if (r.after_study.overall.beyond_chance())
         remarks.push_back(
             "the calibrated model is still beyond chance: something else than the free parameters is missing or wrong");
@@ -283,6 +290,7 @@ std::string calibrate_json(const CalibrationReport& r) {
     json["fit_calibrated"] = fit_json(result.best_fit);
     if (!result.folds.empty()) {
         json["fit_held_out"] = fit_json(result.held_out);
+        json["held_out_was_seen"] = result.held_out_was_seen();
         json["folds"] = Json::array();
         for (const CalibrationFold& f : result.folds)
             json["folds"].push_back({{"held_out", f.held_out},

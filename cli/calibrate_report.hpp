@@ -39,6 +39,9 @@ void print_calibration(std::ostream& out, const CalibrationReport& report);
 /// What a user should not miss, a sentence each: estimates on edges, what is not identified, searches that ended elsewhere.
 std::vector<std::string> calibration_remarks(const CalibrationReport& report);
 
+/// Of a model of which held_out_was_seen().
+std::string held_out_remark(const std::string& what);
+
 /// A number with the digits that its interval leaves certain, and one more.
 std::string value_text(double value, const Interval& interval);
 

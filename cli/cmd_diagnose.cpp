@@ -132,15 +132,21 @@ gis::RasterLayer reach_raster(const SiteModel& model, const CampaignResult& camp
     return layer;
 }
 
+/// Whose stops, paths and crossings are shown: those of site_extended.toml, but for a third dimension, which has no profile.
+std::string shown_model(const DiagnoseStudy& study) {
+    if (const AnswerFit* answer = study.answer(); answer && !answer->in_space()) return "with " + answer->name();
+    return study.moved && !study.answer() ? "parameters that are told" : "calibrated model";
+}
+
 gis::ResultsPackage results_of(const DiagnoseStudy& study, const SiteModel& model, const ObservedSite& observed,
                                const fs::path& folder) {
     gis::ResultsPackage package;
     package.frame = model.terrain.data.frame;
-    package.title = study.site.settings.name + ": diagnosis";
+    package.title = study.site.settings.name + ": diagnosis" + (study.judged() ? ", " + shown_model(study) : "");
     const AnswerFit* answer = study.answer();
     const bool judged = study.judged();
     const bool in_space = answer && answer->in_space();
-    if (judged) {  // that of site_extended.toml, but for a third dimension, which has no profile
+    if (judged) {  // as shown_model() says
         const CampaignResult& shown = answer && !in_space      ? answer->campaign
                                       : !answer && study.moved ? study.moved->campaign
                                                                : study.campaign;
@@ -154,6 +160,7 @@ gis::ResultsPackage results_of(const DiagnoseStudy& study, const SiteModel& mode
         }
     if (package.vectors.empty()) package.vectors.push_back(input_layer(model.release, "release", "Release", "Inputs"));
     package.provenance = {{"program", "scree " + version()}, {"site", study.site.settings.name}};
+    if (judged) package.provenance.push_back({"model", shown_model(study)});
     for (const std::string& line : study.inputs) package.provenance.push_back({"input", line});
     const std::vector<Figure> figures = figures_of(study, model, observed);
     // topmost first
@@ -242,6 +249,10 @@ ExitCode run_diagnose(const Context& context) {
     const ObservedSite observed =
         context.plan ? planned_test(site, model, context.instruments) : load_observed(site, model, context.observed);
     print_warnings(context, observed.warnings);
+    std::vector<std::string> suspicious;  // told at the end, too, but a user may want to mend them before it begins
+    for (const Finding& f : observed.findings)
+        if (f.severity == Severity::Warning) suspicious.push_back(f.sentence);
+    print_warnings(context, suspicious);
     require_enough_blocks(context, observed);
     study.inputs = input_lines(model, observed);
     study.distances = observed.axis_text;

@@ -82,6 +82,8 @@ void print_effect(std::ostream& out, const EffectInfo& info) {
     EffectSettings entry{make_effect(info.kind), {}, {}, info.kind == EffectKind::OwnLaw ? "my_law.so" : ""};
     if (info.limits.lines) entry.place.file = "lines.gpkg";
     out << "\n[[effect]]\n" << effect_as_toml(entry, [](const std::string& p) { return p; });
+    for (const EffectParameter& p : info.parameters)
+        if (std::isnan(p.standard)) out << "# " << p.key << " = ...    of the soil where it is not given\n";
 }
 
 }  // namespace

@@ -296,10 +296,9 @@ private:
 
     /// Across the whole terrain between two chainages, on the ground in the middle.
     std::function<DiagnosisVariant(const DiagnosisVariant&, const Stretch&)> puts_on() const {
-        const GridShape& shape = model_.terrain.data.grid.shape;
-        const double wide = shape.cell * static_cast<double>(shape.columns + shape.rows);
         const std::vector<ProfileTrack>& tracks = model_.campaign.tracks;
-        return [axis = observed_.op.axis, wide, surface = model_.terrain.surface.get(), soils = s_.soils,
+        return [axis = observed_.op.axis, terrain = model_.terrain.data.grid.shape.bounds(),
+                surface = model_.terrain.surface.get(), soils = s_.soils,
                 profile = tracks.size() == 1 ? tracks.front().profile : Profile()](const DiagnosisVariant& variant,
                                                                                    const Stretch& on) {
             DiagnosisVariant v = variant;
@@ -308,7 +307,14 @@ private:
             v.label = joined(v.label, "from " + metres(on.from) + " to " + metres(on.to) + " m");
             const Vec2 a = axis.point(on.from), b = axis.point(on.to), along = (b - a).normalized();
             const Vec2 left(-along.y(), along.x());
-            const MultiPolygon area{{{a - wide * left, b - wide * left, b + wide * left, a + wide * left}, {}}};
+            double right_end = 0.0, left_end = 0.0;  // of the terrain, from the axis
+            for (const double x : {terrain.min.x(), terrain.max.x()})
+                for (const double y : {terrain.min.y(), terrain.max.y()}) {
+                    right_end = std::min(right_end, (Vec2(x, y) - a).dot(left));
+                    left_end = std::max(left_end, (Vec2(x, y) - a).dot(left));
+                }
+            const MultiPolygon area{
+                {{a + right_end * left, b + right_end * left, b + left_end * left, a + left_end * left}, {}}};
             v.place.limit_to(area);
             if (!profile.empty())
                 if (const std::vector<Stretch> inside = profile.inside(area); !inside.empty())

@@ -198,7 +198,9 @@ public:
             best.candidates[f.effect].variants = {std::isfinite(f.smallest_seen)
                                                       ? study_.catalogue.variant(f.effect, f.seen_variant, f.seen_on)
                                                       : study_.variant_of(f)};
-        try_instruments(as_given, best, further_instruments(in_.observed), study_.settings);
+        DiagnosisSettings settings = study_.settings;
+        settings.power_up_to = 1.0;  // what is told of them is whether they see the reference
+        try_instruments(as_given, best, further_instruments(in_.observed), settings);
     }
 
 private:

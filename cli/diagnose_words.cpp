@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "cli/diagnose_words.hpp"
 
+#include "cli/calibrate_report.hpp"
 #include "cli/diagnose_extended.hpp"
 #include "cli/diagnose_further.hpp"
 #include "cli/diagnose_models.hpp"
@@ -403,10 +404,13 @@ std::vector<std::string> diagnose_remarks(const DiagnoseStudy& study) {
                           gap_number(study.told().overall.gap) + "; of the calibrated model " +
                           gap_number(study.before.overall.gap) + ")");
     }
+    if (study.judged() && study.baseline.result.held_out_was_seen())
+        remarks.push_back(held_out_remark("the calibrated model"));
     if (study.baseline.as_followed) remarks.push_back(as_followed_remark("the calibrated model"));
     for (const AnswerFit& a : study.answers) {
         if (a.model.as_followed) remarks.push_back(as_followed_remark("the model with " + a.name()));
         if (study.verdict == Verdict::Unknown) continue;
+        if (a.model.result.held_out_was_seen()) remarks.push_back(held_out_remark("the model with " + a.name()));
         for (const AnsweredEffect& e : a.effects)
             if (!e.variant.space && e.strength > (1.0 - kInRange) * e.variant.most)
                 remarks.push_back("the strength of " + e.candidate->name + " lies at the end of what was searched");

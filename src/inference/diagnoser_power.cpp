@@ -91,10 +91,10 @@ std::optional<double> Diagnoser::expected_z(const EffectDose& dose, double enoug
 /// allowed.
 std::optional<double> Diagnoser::strength_seen(std::size_t fingerprint, double promised, double enough,
                                                Substitutes& substitutes) {
-    const double most = most_of(fingerprint);
+    const double most = std::min(most_of(fingerprint), settings_.power_up_to);
     double unseen = 0.0, seen = kInfinity;
     EffectDose dose = variants_[fingerprint];
-    dose.strength = promised;
+    dose.strength = std::isfinite(settings_.power_up_to) ? most : promised;
     for (int tried = 1; unseen < most && !(seen <= kCloseEnough * unseen); ++tried) {
         const std::optional<double> z = expected_z(dose, enough, substitutes);
         if (!z) return std::nullopt;
@@ -121,7 +121,8 @@ bool Diagnoser::find_strengths_seen(Diagnosis& d) {
         std::vector<std::pair<double, std::size_t>> forms;
         for (std::size_t k = 0; k < planned_variants_; ++k) {
             const double promised = enough / std::max(d.score.expected[static_cast<Eigen::Index>(k)], 1e-9);
-            if (variants_[k].effect == f.effect && promised <= most_of(k)) forms.emplace_back(promised, k);
+            if (variants_[k].effect == f.effect && promised <= std::min(most_of(k), settings_.power_up_to))
+                forms.emplace_back(promised, k);
         }
         std::sort(forms.begin(), forms.end());
         if (substitutes) forms.resize(std::min(forms.size(), kFormsOfOne));

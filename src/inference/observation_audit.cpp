@@ -349,12 +349,12 @@ private:
                            kBack, " m above it (", back.text(),
                            "): check their numbers at the screen and at the stops"));
             if (unseen.count() > 0)
-                find(Severity::Warning, "not_seen_at_screen",
-                     words(
-                         unseen.counted("block", "blocks"), " came past ", op_.screens[s], " without a record there (",
-                         unseen.text(),
-                         "), and count as blocks that did not pass: if the camera missed them, complete the records or "
-                         "leave the numbers of blocks away at that screen"));
+                find(
+                    Severity::Warning, "not_seen_at_screen",
+                    words(unseen.counted("block", "blocks"), " came past ", op_.screens[s], " without a record there (",
+                          unseen.text(),
+                          "), and what has none counts as not passed: if the camera missed it, complete the records or "
+                          "leave the numbers of blocks away at that screen"));
         }
     }
 

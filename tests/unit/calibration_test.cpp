@@ -168,7 +168,6 @@ TEST(Calibration, FoldsCoverEveryRecordOnce) {
     EXPECT_GT(r.held_out_start.loss, r.held_out.loss + 1.0);
 }
 
-// Two places that ask for different values: the calibration lies between, and what is left out is predicted by what the other one asks for.
 TEST(Calibration, KeepsWhatEveryRecordLosesHeldOut) {
     CalibrationJournal journal;
     const CalibrationResult r = calibrate(two_and_a_choice(), quick(), bowl, journal, nullptr);
@@ -183,6 +182,22 @@ TEST(Calibration, KeepsWhatEveryRecordLosesHeldOut) {
     }
 }
 
+TEST(Calibration, SaysWhenAllFoldsChooseWhatAllRecordsChoose) {
+    CalibrationJournal journal, other;
+    EXPECT_FALSE(calibrate(two_and_a_choice(), quick(), bowl, journal, nullptr).held_out_was_seen());
+    // a hole at the first point, of which no quadratic knows: whichever records are asked, it is the best
+    const auto hole = [](const CalibrationTask& task) {
+        std::optional<SimulatedLoss> result = bowl(task);
+        const bool at_start = std::abs(task.point.values[0] - 3.5) < 1e-9 && task.point.levels[0] == 1;
+        for (double& loss : result->loss) loss = at_start ? 0.1 : loss + 1.0;
+        return result;
+    };
+    const CalibrationResult r = calibrate(two_and_a_choice(), quick(), hole, other, nullptr);
+    EXPECT_TRUE(r.held_out_was_seen());
+    EXPECT_DOUBLE_EQ(r.held_out.loss, r.best_fit.loss);
+}
+
+// Two places that ask for different values: the calibration lies between, and what is left out is predicted by what the other one asks for.
 TEST(Calibration, LeavesOutEveryPlaceOnce) {
     CalibrationProblem problem;
     problem.parameters = {{"x", 0.0, 10.0, 5.0, false}};

@@ -5,6 +5,7 @@
 
 #include <Eigen/Core>
 
+#include <algorithm>
 #include <cstdint>
 #include <functional>
 #include <optional>
@@ -185,6 +186,12 @@ struct CalibrationResult {
     std::vector<CalibrationPlace> places;  ///< empty if there is one only, or no cross-validation
     std::vector<std::vector<double>>
         draws;  ///< plausible parameter values, for pictures and predictions: per draw one per parameter [*]
+
+    /// Every fold chose the point that all records together chose: what is held out had its part in finding it.
+    bool held_out_was_seen() const {
+        return !folds.empty() &&
+               std::all_of(folds.begin(), folds.end(), [&](const CalibrationFold& f) { return f.point == best; });
+    }
 };
 
 struct CalibrationProgress {

@@ -82,6 +82,8 @@ struct DiagnosisSettings {
         200;  ///< simulations of a search all over the ranges, for a form that goes on to its end; a fifth at least, and no fewer than 40, for every one; 0: no such searches [-]
     /// Trials of a search for parameters that would make up for an effect, for each strength that might be seen; 0: that is told by derivatives alone [-].
     std::size_t power_search = 16;
+    double power_up_to =
+        kInfinity;   ///< nobody asks for stronger ones; finite: nor from where below that on it is seen [-]
     int rounds = 6;  ///< surveys on the way there, at most: it ends where it has settled [-]
     double prior_none =
         0.5;  ///< weight of the calibrated model before the data, once the test has rejected it; the effects share the rest [-]
