@@ -138,6 +138,8 @@ private:
     void judge(Diagnosis& d) const;
     void find(Diagnosis& d) const;
     std::size_t fingerprint_of(const EffectFinding& f) const;
+    Eigen::MatrixXd cosines_of(const std::vector<EffectFinding>& findings) const;
+    void show(EffectFinding& f, std::size_t fingerprint, const ScoreResult& score) const;
     std::vector<EffectFinding> findings(const ScoreResult& score, double z_limit) const;
     Eigen::VectorXd from_ranges(const Eigen::VectorXd& u) const;
     Hypothesis unfollowed(std::size_t fingerprint) const;

@@ -87,8 +87,8 @@ std::optional<double> Diagnoser::expected_z(const EffectDose& dose, double enoug
     return least;
 }
 
-/// Of one form, the least strength of which so much z is to be expected, from what its derivatives promise upwards; told too large rather than too small. Infinite: none that is
-/// allowed.
+/// Of one form, the least strength of which so much z is to be expected, from what its derivatives promise upwards; told too large rather than too small, but for the reference, which is asked for where
+/// it lies between. Infinite: none that is allowed.
 std::optional<double> Diagnoser::strength_seen(std::size_t fingerprint, double promised, double enough,
                                                Substitutes& substitutes) {
     const double most = std::min(most_of(fingerprint), settings_.power_up_to);
@@ -100,9 +100,10 @@ std::optional<double> Diagnoser::strength_seen(std::size_t fingerprint, double p
         if (!z) return std::nullopt;
         (*z >= enough ? seen : unseen) = dose.strength;
         if (unseen == 0.0) break;
-        dose.strength = std::isfinite(seen)       ? std::sqrt(unseen * seen)
-                        : tried + 1 == kStrengths ? most
-                                                  : std::min(kGrowth * dose.strength, most);
+        const double next = std::isfinite(seen)       ? std::sqrt(unseen * seen)
+                            : tried + 1 == kStrengths ? most
+                                                      : std::min(kGrowth * unseen, most);
+        dose.strength = unseen < 1.0 && std::min(next, seen) > 1.0 ? 1.0 : next;
     }
     return seen;
 }
@@ -136,8 +137,10 @@ bool Diagnoser::find_strengths_seen(Diagnosis& d) {
             f.smallest_seen = *seen;
             f.seen_variant = variants_[k].variant;
             f.seen_on = variants_[k].on;
+            if (planning_) show(f, k, d.score);
         }
     }
+    d.cosines = cosines_of(d.findings);
     return true;
 }
 

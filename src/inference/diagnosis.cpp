@@ -236,15 +236,29 @@ void Diagnoser::find(Diagnosis& d) const {
     d.score = (*base_.test)(base_.observed);
     d.looked_at = variants_;
     d.findings = findings(d.score, d.test.z_limit);
-    const Eigen::MatrixXd cosines = base_.test->cosines(base_.observed.together);
-    const auto at = [&](const EffectFinding& f) { return static_cast<Eigen::Index>(fingerprint_of(f)); };
-    const auto count = static_cast<Eigen::Index>(d.findings.size());
-    d.cosines.resize(count, count);
-    for (Eigen::Index a = 0; a < count; ++a)
-        for (Eigen::Index b = 0; b < count; ++b)
-            d.cosines(a, b) =
-                cosines(at(d.findings[static_cast<std::size_t>(a)]), at(d.findings[static_cast<std::size_t>(b)]));
+    d.cosines = cosines_of(d.findings);
     best_first(d.findings);
+}
+
+/// In the order of the candidates.
+Eigen::MatrixXd Diagnoser::cosines_of(const std::vector<EffectFinding>& findings) const {
+    const Eigen::MatrixXd all = base_.test->cosines(base_.observed.together);
+    const auto count = static_cast<Eigen::Index>(problem_.effects.size());
+    Eigen::MatrixXd cosines = Eigen::MatrixXd::Identity(count, count);
+    for (const EffectFinding& a : findings)
+        for (const EffectFinding& b : findings)
+            cosines(static_cast<Eigen::Index>(a.effect), static_cast<Eigen::Index>(b.effect)) =
+                all(static_cast<Eigen::Index>(fingerprint_of(a)), static_cast<Eigen::Index>(fingerprint_of(b)));
+    return cosines;
+}
+
+void Diagnoser::show(EffectFinding& f, std::size_t fingerprint, const ScoreResult& score) const {
+    const auto i = static_cast<Eigen::Index>(fingerprint);
+    f.variant = variants_[fingerprint].variant;
+    f.on = variants_[fingerprint].on;
+    f.visible = visible(fingerprint, score);
+    f.z = score.z[i];
+    f.visibility = score.visibility[i];
 }
 
 std::size_t Diagnoser::fingerprint_of(const EffectFinding& f) const {
@@ -276,11 +290,7 @@ std::vector<EffectFinding> Diagnoser::findings(const ScoreResult& score, double 
             f.beyond_chance = f.beyond_chance || (k < planned_variants_ && score.z[i] > z_limit);
         }
         if (at < 0) continue;
-        f.variant = variants_[static_cast<std::size_t>(at)].variant;
-        f.on = variants_[static_cast<std::size_t>(at)].on;
-        f.visible = visible(static_cast<std::size_t>(at), score);
-        f.z = score.z[at];
-        f.visibility = score.visibility[at];
+        show(f, static_cast<std::size_t>(at), score);
         all.push_back(f);
     }
     return all;

@@ -448,8 +448,10 @@ TEST(Diagnosis, PlanningSaysWhatWouldBeSeen) {
     const auto blocks = blocks_of_test();
     const DiagnosisProblem problem = problem_for(blocks, all_effects());
     const ObservationTable like = measured(blocks, 1, {});
+    DiagnosisSettings settings = brief(1);
+    settings.power_search = DiagnosisSettings{}.power_search;
     const Diagnosis plan = plan_test(
-        problem, like, brief(1), [&](const DiagnosisTask& t) { return std::optional(throw_blocks(blocks, t)); }, {});
+        problem, like, settings, [&](const DiagnosisTask& t) { return std::optional(throw_blocks(blocks, t)); }, {});
     EXPECT_EQ(plan.verdict, Verdict::None);
     for (const EffectFinding& f : plan.findings) {
         if (std::isfinite(f.smallest_seen)) {
