@@ -161,6 +161,25 @@ void draw_terrain(Svg& svg, const SvgPanel& panel, const std::vector<Vec2>& grou
 
 }  // namespace
 
+/// Where what was named acts, and above it where its middle is with 95 %. True if there is such a place.
+static bool draw_places(Svg& svg, const SvgPanel& panel, const DiagnoseStudy& study, double end) {
+    bool any = false;
+    for (std::size_t a = 0; a < study.standing(); ++a)
+        for (const AnsweredEffect& e : study.answers[a].effects) {
+            if (!e.variant.on) continue;
+            const auto at = [&](double along, double y) { return panel.at({std::clamp(along, 0.0, end), y}); };
+            const Stretch& on = *e.variant.on;
+            const Interval middle = middle_interval(e);
+            const double top = panel.data.max.y();
+            svg.box({at(on.from, top), at(on.to, panel.data.min.y())}, fill("#f3e3c8"));
+            const Vec2 under(0.0, 18.0);
+            svg.segment(at(middle.low, top) + under, at(middle.high, top) + under, stroke("#a8742a", 2.0));
+            svg.text(at(on.middle(), top) + Vec2(0.0, 13.0), e.candidate->name, words(11.0, "middle"));
+            any = true;
+        }
+    return any;
+}
+
 std::optional<Figure> where_along_path(const DiagnoseStudy& study, const SiteModel& model,
                                        const ObservedSite& observed) {
     if (study.planning || study.diagnosis.residuals.empty()) return std::nullopt;
@@ -200,6 +219,7 @@ std::optional<Figure> where_along_path(const DiagnoseStudy& study, const SiteMod
     svg.segment(panel.at({0.0, 0.0}), panel.at({end, 0.0}), stroke(kTextColour, 1.0));
     for (const Item& item : items) draw_item(svg, panel, item);
     draw_frame(svg, panel);
+    const bool placed = draw_places(svg, below, study, end);
     draw_terrain(svg, below, ground);
     draw_frame(svg, below);
     Vec2 at(kLeft, 22.0);
@@ -222,7 +242,9 @@ std::optional<Figure> where_along_path(const DiagnoseStudy& study, const SiteMod
         "spread, positive where the measured one is wider. Diamonds: positive where the value grows more with mass, "
         "with length, or from block to block, than simulated. Of the stops as a whole all of this is drawn at their "
         "middle. Dashed: the mean among blocks that left the screen before (left end) at like speeds, so that what "
-        "lies between is to blame. What goes together in the same blocks is told in the sentences.",
+        "lies between is to blame. What goes together in the same blocks is told in the sentences." +
+            std::string(placed ? " Shaded on the terrain: where what was named acts; the line: its middle, with 95 %."
+                               : ""),
         svg.text()};
 }
 

@@ -28,42 +28,41 @@ struct Diagnoser::Substitutes {
     std::vector<ObservationTable> tables;  ///< of its trials
 };
 
-/// z to expect of an effect of this strength on the model, the parameters being where they make up for most of it; or any value less than `enough` if it is.
-/// The linear absorption of a score test is asked from the model itself, from where that leads, and from the best of the substitutes.
+/// z to expect of an effect of this strength where the parameters make up for most of it; or any value less than `enough` if it is. A model without effect is held against simulations with it as a calibrated
+/// one against measurements, in its own residual space and with the linear absorption of a score test: the model itself, what that absorption leads to, and the best of the substitutes.
 std::optional<double> Diagnoser::expected_z(const EffectDose& dose, double enough, Substitutes& substitutes) {
-    auto table = simulate(kStage, base_.parameters, {dose}, settings_.repeats);
-    if (!table) return std::nullopt;
-    const auto rows = static_cast<double>(table->rows());
-    View view(
-        ResidualSpace(std::move(*table), measured_, problem_.blocks, settings_.residuals, base_.space->residuals()),
-        measured_);
-    if (!comparable(view.observed, base_.observed)) return kInfinity;  // another world: nothing passes any more
-    view.observed.mean = mean_residual(view.space.of_reference()).mean;
-    const Eigen::MatrixXd covariance = row_covariance(view.space);
+    const auto with = simulate(kStage, base_.parameters, {dose}, settings_.repeats);
+    if (!with) return std::nullopt;
 
     double least = kInfinity;
     Eigen::VectorXd shift = Eigen::VectorXd::Zero(base_.parameters.size());
-    const auto hold_against = [&](const ObservationTable& without) {
-        const ResidualMean mean = mean_residual(view.space.of(without));
-        if (!simulates_enough(mean, without.rows(), view.observed)) return;
-        const ResidualMean change{view.observed.mean - mean.mean, view.observed.together};
-        const double over = 1.0 / rows + 1.0 / static_cast<double>(without.rows());
-        const ScoreTest test(covariance, base_.slopes.directions, deviation_, {{change.mean, 1.0 / over}});
+    const auto hold_against = [&](const ResidualSpace& model) {
+        const ResidualMean measured = mean_residual(model.of(measured_)), effect = mean_residual(model.of(*with));
+        if (!comparable(measured, base_.observed) || !simulates_enough(effect, with->rows(), measured)) return;
+        const ResidualMean change{effect.mean - mean_residual(model.of_reference()).mean, measured.together};
+        const double over =
+            1.0 / static_cast<double>(with->rows()) + 1.0 / static_cast<double>(model.reference().rows());
+        const ScoreTest test(row_covariance(model), base_.slopes.directions, deviation_, {{change.mean, 1.0 / over}});
         const ScoreResult score = test(change);
         if (!(score.visibility[0] < least)) return;
         least = score.visibility[0];
         shift = score.shift;
     };
     const auto simulate_at = [&](const Eigen::VectorXd& parameters) {
-        const auto without = simulate(kStage, parameters, {}, half_repeats());
-        if (without) hold_against(*without);
+        auto without = simulate(kStage, parameters, {}, settings_.repeats);
+        if (without)
+            hold_against(ResidualSpace(std::move(*without), measured_, problem_.blocks, settings_.residuals,
+                                       base_.space->residuals()));
         return without.has_value();
     };
-    hold_against(base_.space->reference());
+    hold_against(*base_.space);
     if (least < enough) return least;
     if (!simulate_at(within_ranges(base_.parameters + shift))) return std::nullopt;
     if (least < enough) return least;
 
+    View view(ResidualSpace(*with, measured_, problem_.blocks, settings_.residuals, base_.space->residuals()),
+              measured_);
+    view.observed.mean = mean_residual(view.space.of_reference()).mean;
     const auto residuals = [&](const ObservationTable& t) { return residuals_of(t, view); };
     std::vector<Eigen::VectorXd> told(substitutes.tables.size());
     std::transform(substitutes.tables.begin(), substitutes.tables.end(), told.begin(), residuals);

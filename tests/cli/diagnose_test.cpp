@@ -288,6 +288,7 @@ TEST(Diagnose, FindsNothingInATestOfTheModelItself) {
     ASSERT_EQ(run.code, 0) << run.err;
     EXPECT_THAT(run.out, HasSubstr("=> NONE"));
     EXPECT_THAT(run.out, HasSubstr("what would be seen in 4 of 5 such tests"));
+    EXPECT_THAT(run.out, testing::ContainsRegex("parameter +as given +calibrated"));
     EXPECT_THAT(text_of(out / "site_extended.toml"), Not(HasSubstr("[[effect]]")));
     EXPECT_THAT(text_of(out / "figures" / "where_along.svg"), HasSubstr(">240</text>")) << "heights of the map";
     const json restarted = json::parse(text_of(out / "diagnosis.json")).at("restarted");
@@ -356,6 +357,10 @@ TEST(Diagnose, WhatActsInAPlaceIsALayerOfItsOwn) {
     EXPECT_NEAR(to - from, by_axis.at(1).get<double>() - by_axis.at(0).get<double>(), 0.5);
     EXPECT_NEAR(0.5 * (from + to), 26.0, 6.0) << "few blocks touch the ground where it begins";
     EXPECT_NEAR(to, 32.0, 3.0);
+
+    EXPECT_THAT(text_of(out / "figures" / "where_along.svg"), HasSubstr(">soil_patch</text>")) << "where it is";
+    EXPECT_THAT(text_of(out / "report.html"), HasSubstr("Parameters</h2>"));
+    EXPECT_THAT(run.out, HasSubstr("with soil_patch"));
 
     // the layer and the site that reads it, moved to wherever they are needed
     const fs::path extended = out / "site_extended.toml";
