@@ -107,8 +107,8 @@ Figure effects_figure(const DiagnoseStudy& study) {
     f.caption =
         study.planning
             ? "How many standard deviations an effect at its reference strength (behind the bar) would move the "
-              "measurements, "
-              "with all taken out that a recalibration would absorb."
+              "measurements, with all taken out that a recalibration nearby would absorb. Seen: also where a search "
+              "all over the ranges has looked for parameters that make up for it."
             : "Bars: how well each effect, at its best place and form, explains what the calibrated model "
               "leaves, in standard deviations; beyond chance if it is so in a place looked at from the start, "
               "as places picked by a closer look are better by chance, too. First the finalists by their weight, "

@@ -106,8 +106,8 @@ struct EffectFinding {
     bool visible = false;                 ///< at some strength that is allowed
     double z = kNaN;                      ///< of its fingerprint [-]
     double visibility = kNaN;             ///< z to expect at the reference strength [-]
-    double smallest_seen = kNaN;  ///< strength that would be seen with a probability of 80 %; infinite if none of those
-                                  ///< allowed; not told where something is missing [-]
+    /// Infinite: none of those allowed; NaN: something is missing, and nobody asks.
+    double smallest_seen = kNaN;     ///< strength that would be seen with a probability of 80 % [-]
     std::size_t seen_variant = 0;    ///< the variant that is seen at the smallest strength, which this is
     std::optional<Stretch> seen_on;  ///< and where
     bool beyond_chance =
