@@ -66,7 +66,7 @@ std::vector<std::string> diagnosis(const fs::path& output, const std::vector<std
           "calibration.search_repeats=3", "calibration.surroundings=8", "calibration.repeats=3",
           "calibration.final_repeats=5", "calibration.folds=2", "calibration.draws=200", "observed.draws=200",
           "diagnosis.reference_repeats=24", "diagnosis.repeats=8", "diagnosis.draws=199", "diagnosis.finalists=2",
-          "diagnosis.rounds=1", "diagnosis.wide_search=0"}) {
+          "diagnosis.rounds=1", "diagnosis.wide_search=0", "diagnosis.power_search=8"}) {
         args.push_back("--set");
         args.push_back(set);
     }
