@@ -133,24 +133,31 @@ gis::RasterLayer reach_raster(const SiteModel& model, const CampaignResult& camp
 }
 
 /// Whose stops, paths and crossings are shown: those of site_extended.toml, but for a third dimension, which has no profile.
-std::string shown_model(const DiagnoseStudy& study) {
-    if (const AnswerFit* answer = study.answer(); answer && !answer->in_space()) return "with " + answer->name();
-    return study.moved && !study.answer() ? "parameters that are told" : "calibrated model";
+struct ShownModel {
+    std::string name;
+    const CampaignResult& campaign;
+};
+ShownModel shown_model(const DiagnoseStudy& study) {
+    const AnswerFit* answer = study.answer();
+    if (answer && !answer->in_space()) return {"with " + answer->name(), answer->campaign};
+    if (!answer && study.moved) return {"parameters that are told", study.moved->campaign};
+    return {"calibrated model", study.campaign};
 }
 
 gis::ResultsPackage results_of(const DiagnoseStudy& study, const SiteModel& model, const ObservedSite& observed,
                                const fs::path& folder) {
     gis::ResultsPackage package;
     package.frame = model.terrain.data.frame;
-    package.title = study.site.settings.name + ": diagnosis" + (study.judged() ? ", " + shown_model(study) : "");
+    package.title = study.site.settings.name + ": diagnosis";
     const AnswerFit* answer = study.answer();
     const bool judged = study.judged();
     const bool in_space = answer && answer->in_space();
-    if (judged) {  // as shown_model() says
-        const CampaignResult& shown = answer && !in_space      ? answer->campaign
-                                      : !answer && study.moved ? study.moved->campaign
-                                                               : study.campaign;
-        package.vectors = campaign_vectors(model, shown);
+    package.provenance = {{"program", "scree " + version()}, {"site", study.site.settings.name}};
+    if (judged) {
+        const ShownModel shown = shown_model(study);
+        package.title += ", " + shown.name;
+        package.provenance.push_back({"model", shown.name});
+        package.vectors = campaign_vectors(model, shown.campaign);
     }
     if (in_space && !model.campaign.screens.empty()) package.vectors.push_back(screens_in_space(study.site, model));
     for (std::size_t a = 0; a < study.standing(); ++a)
@@ -159,8 +166,6 @@ gis::ResultsPackage results_of(const DiagnoseStudy& study, const SiteModel& mode
             if (variant.place.area) package.vectors.push_back(zone_layer(variant, zone_name(study, a, k)));
         }
     if (package.vectors.empty()) package.vectors.push_back(input_layer(model.release, "release", "Release", "Inputs"));
-    package.provenance = {{"program", "scree " + version()}, {"site", study.site.settings.name}};
-    if (judged) package.provenance.push_back({"model", shown_model(study)});
     for (const std::string& line : study.inputs) package.provenance.push_back({"input", line});
     const std::vector<Figure> figures = figures_of(study, model, observed);
     // topmost first

@@ -289,6 +289,8 @@ TEST(Diagnose, FindsNothingInATestOfTheModelItself) {
     EXPECT_THAT(run.out, HasSubstr("=> NONE"));
     EXPECT_THAT(run.out, HasSubstr("what would be seen in 4 of 5 such tests"));
     EXPECT_THAT(run.out, testing::ContainsRegex("parameter +as given +calibrated"));
+    for (const json& effect : json::parse(text_of(out / "diagnosis.json")).at("effects"))
+        EXPECT_TRUE(effect.contains("smallest_seen")) << effect;
     EXPECT_THAT(text_of(out / "site_extended.toml"), Not(HasSubstr("[[effect]]")));
     EXPECT_THAT(text_of(out / "figures" / "where_along.svg"), HasSubstr(">240</text>")) << "heights of the map";
     const json restarted = json::parse(text_of(out / "diagnosis.json")).at("restarted");
@@ -360,7 +362,10 @@ TEST(Diagnose, WhatActsInAPlaceIsALayerOfItsOwn) {
 
     EXPECT_THAT(text_of(out / "figures" / "where_along.svg"), HasSubstr(">soil_patch</text>")) << "where it is";
     EXPECT_THAT(text_of(out / "report.html"), HasSubstr("Parameters</h2>"));
-    EXPECT_THAT(run.out, HasSubstr("with soil_patch"));
+    EXPECT_THAT(run.out, testing::ContainsRegex("parameter +as given +calibrated +with soil_patch"));
+    EXPECT_THAT(text_of(out / "results.qgs"), HasSubstr("diagnosis, with soil_patch")) << "whose stops it shows";
+    for (const json& effect : json::parse(text_of(out / "diagnosis.json")).at("effects"))
+        EXPECT_FALSE(effect.contains("smallest_seen")) << "something is missing: nobody asks";
 
     // the layer and the site that reads it, moved to wherever they are needed
     const fs::path extended = out / "site_extended.toml";
@@ -543,6 +548,9 @@ TEST(Diagnose, RefusesInOneSentence) {
     const Outcome instrument = diagnose(folder / "out", {"--plan", "--instruments", "stops,smell"});
     EXPECT_EQ(instrument.code, 3);
     EXPECT_THAT(instrument.err, HasSubstr("knows no \"smell\""));
+    const Outcome no_plan = diagnose(folder / "out", {"--observed", "somewhere", "--instruments", "stops"});
+    EXPECT_EQ(no_plan.code, 2);
+    EXPECT_THAT(no_plan.err, HasSubstr("--instruments requires --plan"));
     const Outcome both = diagnose(folder / "out", {"--plan", "--observed", "somewhere"});
     EXPECT_EQ(both.code, 3);
     EXPECT_THAT(both.err, HasSubstr("leave --observed out, or --plan"));
