@@ -100,8 +100,8 @@ TEST(Diagnose, NamesAFaultOfTheMeasurementAndWritesAllOfIt) {
     const TempDir folder;
     const fs::path observed = with_speeds(field_test(folder / "field", 24), folder / "obs", 1.35), out = folder / "out";
     const Outcome run =
-        diagnose(out, {"--observed", observed.string(), "--set", "diagnosis.reference_repeats=40", "--set",
-                       "diagnosis.repeats=16", "--set", "diagnosis.rounds=3", "--set", "diagnosis.wide_search=40",
+        diagnose(out, {"--observed", observed.string(), "--set", "diagnosis.reference_repeats=30", "--set",
+                       "diagnosis.repeats=12", "--set", "diagnosis.rounds=3", "--set", "diagnosis.wide_search=40",
                        "--set", nothing_but({"speed_error", "slow_missed", "screen_shift"})});
     ASSERT_EQ(run.code, 0) << run.err;
     EXPECT_THAT(run.out, HasSubstr("=> DATA PROBLEM: speed_error"));
@@ -167,6 +167,7 @@ TEST(Diagnose, GoesOnWhereItWasStoppedWhileEffectsWereFollowed) {
     std::vector<std::string> more{"--observed", observed.string(),
                                   "--set",      "diagnosis.further=false",
                                   "--set",      "diagnosis.wide_search=40",
+                                  "--set",      "calibration.folds=0",
                                   "--set",      nothing_but({"speed_error"}),
                                   "--threads",  "1"};
     ASSERT_EQ(diagnose(out, more).code, 0);
@@ -284,7 +285,8 @@ TEST(Diagnose, AForceSaysWhatAnEffectWithoutANameDoes) {
 TEST(Diagnose, FindsNothingInATestOfTheModelItself) {
     const TempDir folder;
     const fs::path observed = with_speeds(field_test(folder / "field", 12), folder / "obs", 1.0), out = folder / "out";
-    const Outcome run = diagnose(out, {"--observed", observed.string(), "--threads", "1"});
+    const std::string few = nothing_but({"forest_drag", "rolling_size", "speed_error"});
+    const Outcome run = diagnose(out, {"--observed", observed.string(), "--set", few, "--threads", "1"});
     ASSERT_EQ(run.code, 0) << run.err;
     EXPECT_THAT(run.out, HasSubstr("=> NONE"));
     EXPECT_THAT(run.out, HasSubstr("what would be seen in 4 of 5 such tests"));
@@ -299,7 +301,8 @@ TEST(Diagnose, FindsNothingInATestOfTheModelItself) {
 
     // byte for byte on any number of threads, and from where it was stopped
     const fs::path again = folder / "again", journal = folder / "again.journal";
-    std::vector<std::string> more{"--observed", observed.string(), "--threads", "3", "--progress=json", "--quiet"};
+    std::vector<std::string> more{"--observed", observed.string(), "--set",  few, "--threads",
+                                  "3",          "--progress=json", "--quiet"};
     EXPECT_THAT(interrupted(diagnosis(again, more), 2), HasSubstr("--resume"));
     EXPECT_FALSE(fs::exists(again));
     const auto kept = contents_of(journal);
@@ -315,9 +318,10 @@ TEST(Diagnose, FindsNothingInATestOfTheModelItself) {
 TEST(Diagnose, WhatAProfileLeavesOutHasAName) {
     const TempDir folder;
     const fs::path out = folder / "out", field = field_test(folder / "field", 14, 3);
-    const Outcome run = diagnose(
-        out, {"--observed", field.string(), "--set", "diagnosis.reference_repeats=30", "--set", "diagnosis.repeats=12",
-              "--set", "diagnosis.rounds=2", "--set", nothing_but({"third_dimension", "ground_drag", "speed_error"})});
+    const Outcome run =
+        diagnose(out, {"--observed", field.string(), "--set", "diagnosis.reference_repeats=30", "--set",
+                       "diagnosis.repeats=12", "--set", "diagnosis.rounds=2", "--set", "calibration.folds=0", "--set",
+                       nothing_but({"third_dimension", "ground_drag", "speed_error"})});
     ASSERT_EQ(run.code, 0) << run.err;
     EXPECT_THAT(run.out, HasSubstr("=> NAMED: third_dimension"));
     EXPECT_THAT(run.out, HasSubstr("the blocks move in 3D"));
@@ -345,9 +349,10 @@ TEST(Diagnose, WhatActsInAPlaceIsALayerOfItsOwn) {
     const TempDir folder;
     field_test_with(folder, "kind = \"soil_patch\"\nfrom = 20.0\nto = 32.0\nrolling = 0.5\n", 30);
     const fs::path out = folder / "out";
-    const Outcome run = diagnose(out, {"--observed", (folder / "field").string(), "--set", "diagnosis.rounds=2",
-                                       "--set", "diagnosis.wide_search=40", "--set", "diagnosis.repeats=12", "--set",
-                                       "observed.axis=measured", "--set", nothing_but({"soil_patch", "speed_error"})});
+    const Outcome run =
+        diagnose(out, {"--observed", (folder / "field").string(), "--set", "diagnosis.rounds=2", "--set",
+                       "diagnosis.wide_search=40", "--set", "diagnosis.repeats=12", "--set", "calibration.folds=0",
+                       "--set", "observed.axis=measured", "--set", nothing_but({"soil_patch", "speed_error"})});
     ASSERT_EQ(run.code, 0) << run.err;
     EXPECT_THAT(run.out, HasSubstr("=> NAMED: soil_patch, that holds blocks back"));
     EXPECT_THAT(run.out, HasSubstr("soil_patch belongs to that place (distances count along azimuth"));
@@ -415,7 +420,7 @@ TEST(Diagnose, TwoEffectsAreBothNamed) {
     EXPECT_THAT(extended, HasSubstr("kind = 'ground_drag"));
     const Outcome compared =
         scree_program({"compare", (out / "site_extended.toml").string(), "--observed", observed.string(), "--output",
-                       (folder / "compared").string(), "--set", "model.dimension=2"});
+                       (folder / "compared").string(), "--set", "model.dimension=2", "--set", "observed.repeats=8"});
     EXPECT_EQ(compared.code, 0) << compared.err;
 }
 
@@ -423,11 +428,12 @@ TEST(Diagnose, InSpaceItHasMapsOfBeforeAndAfter) {
     const TempDir folder;
     field_test_with(folder, "kind = \"rolling_size\"\nexponent = -2.0\n", 10, 3);
     const fs::path out = folder / "out";
-    const Outcome run = diagnose(out,
-                                 {"--observed", (folder / "field").string(), "--set", "model.dimension=3", "--set",
-                                  "diagnosis.reference_repeats=12", "--set", "diagnosis.wide_search=40", "--set",
-                                  "release.count=100", "--set", nothing_but({"rolling_size"})},
-                                 kRestitution);
+    const Outcome run =
+        diagnose(out,
+                 {"--observed", (folder / "field").string(), "--set", "model.dimension=3", "--set",
+                  "diagnosis.reference_repeats=12", "--set", "diagnosis.wide_search=40", "--set", "calibration.folds=0",
+                  "--set", "release.count=100", "--set", nothing_but({"rolling_size"})},
+                 kRestitution);
     ASSERT_EQ(run.code, 0) << run.err;
     EXPECT_THAT(run.out, HasSubstr("=> NAMED: rolling_size"));
     EXPECT_THAT(run.out, Not(HasSubstr("confirm with model.dimension = 3")));
@@ -484,10 +490,10 @@ TEST(Diagnose, StopsAtMeasurementsThatCannotBe) {
 TEST(Diagnose, PlansATestBeforeAnythingIsMeasured) {
     const TempDir folder;
     const fs::path few = folder / "few", more = folder / "more";
-    ASSERT_EQ(diagnose(few, {"--plan", "--set", "release.count=12", "--set", "diagnosis.without=[\"roughness\"]"}).code,
+    ASSERT_EQ(diagnose(few, {"--plan", "--set", "release.count=8", "--set", "diagnosis.without=[\"roughness\"]"}).code,
               0);
     const Outcome run =
-        diagnose(more, {"--plan", "--instruments", "stops,speed,height,spin,impacts", "--set", "release.count=20"});
+        diagnose(more, {"--plan", "--instruments", "stops,speed,height,spin,impacts", "--set", "release.count=14"});
     ASSERT_EQ(run.code, 0) << run.err;
     EXPECT_THAT(run.out, HasSubstr("what would be seen in 4 of 5 such tests"));
     const auto additions = [](const fs::path& out) {
