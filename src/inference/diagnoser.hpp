@@ -169,7 +169,8 @@ private:
         int surveys = 0, without_better = 0;
         bool settled = false;
     };
-    bool survey(Survey& s, std::size_t fingerprint, std::int64_t repeats);
+    bool survey(Survey& s, std::size_t fingerprint, std::int64_t repeats, const ObservationTable& measured,
+                const char* stage);
     Box around(const Survey& s, std::size_t fingerprint, const Eigen::VectorXd& reach) const;
     Eigen::VectorXd prior_of(std::size_t fingerprint) const;
     /// Parameters; with an effect its strength; where its place is to be found the middle [m] and the logarithm of the length [ln m].

@@ -9,6 +9,7 @@ namespace scree {
 
 namespace {
 
+constexpr const char* kStage = "finalists";
 /// Change of the misfit, minus twice a log-likelihood, that is noise, at least and as a share of the misfit [-]; and how many surveys in a row without a larger one are the end [-].
 constexpr double kSettled = 3.0, kSettledShare = 0.04;
 constexpr int kWithoutBetter = 2, kWithoutBetterPlace = 3;
@@ -87,7 +88,8 @@ Slopes slopes_of(Eigen::MatrixXd moved, Eigen::MatrixXd means, double rows_over)
 
 /// Simulations all around `at`, a step away in every direction; measured and simulated rows are seen in the residual space of all of them. More directions
 /// share the rows of a survey of parameters and strength.
-bool Diagnoser::survey(Survey& s, std::size_t fingerprint, std::int64_t repeats) {
+bool Diagnoser::survey(Survey& s, std::size_t fingerprint, std::int64_t repeats, const ObservationTable& measured,
+                       const char* stage) {
     const Eigen::Index count = base_.parameters.size();
     const auto unknowns = static_cast<std::size_t>(s.at.size()),
                usual = std::min(unknowns, static_cast<std::size_t>(count) + 1);
@@ -100,14 +102,13 @@ bool Diagnoser::survey(Survey& s, std::size_t fingerprint, std::int64_t repeats)
     for (Eigen::Index run = 0; run < signs.rows(); ++run) {
         const Eigen::VectorXd at = within(s.at + signs.row(run).transpose().cwiseProduct(s.step), fingerprint);
         moved.row(run) = at - s.at;
-        auto table = simulate("finalists", at.head(count), dose_of(fingerprint, at), repeats);
+        auto table = simulate(stage, at.head(count), dose_of(fingerprint, at), repeats);
         if (!table) return false;
         first.push_back(all.rows());
         append(all, *table);
     }
     first.push_back(all.rows());
-    const ResidualSpace space(std::move(all), measured_, problem_.blocks, settings_.residuals,
-                              base_.space->residuals());
+    const ResidualSpace space(std::move(all), measured, problem_.blocks, settings_.residuals, base_.space->residuals());
     s.rows = space.of_reference();
     s.block = space.reference().block;
     Eigen::MatrixXd means(signs.rows(), s.rows.cols());
@@ -120,7 +121,7 @@ bool Diagnoser::survey(Survey& s, std::size_t fingerprint, std::int64_t repeats)
         rows.rowwise() += mean - means.row(run);
     }
     s.covariance = row_covariance(s.rows, space.least_variance());
-    s.observed = mean_residual(space.of(measured_));
+    s.observed = mean_residual(space.of(measured));
     s.slopes = slopes_of(std::move(moved), std::move(means),
                          s.observed.together.diagonal().maxCoeff() * static_cast<double>(signs.rows()) /
                              static_cast<double>(s.rows.rows()));
@@ -383,7 +384,8 @@ void Diagnoser::go(Pursuit& p) const {
 bool Diagnoser::advance(Pursuit& p) {
     const std::size_t fingerprint = p.best.fingerprint;
     if (p.of_best.at.size() > 0) go(p);
-    if (!survey(p.here, fingerprint, p.on_the_way ? repeats_on_the_way() : half_repeats())) return false;
+    if (!survey(p.here, fingerprint, p.on_the_way ? repeats_on_the_way() : half_repeats(), measured_, kStage))
+        return false;
     const LocalMisfit misfit(p.here, prior_of(fingerprint));
     p.left = misfit.at(Eigen::VectorXd::Zero(p.here.at.size()));
     p.promised =
@@ -494,7 +496,7 @@ bool Diagnoser::race(Hypothesis& h) {
         Survey s;
         s.at = unknowns_of(h);
         s.step = h.step;
-        if (!survey(s, h.fingerprint, kRaceRepeats * settings_.repeats)) return false;
+        if (!survey(s, h.fingerprint, kRaceRepeats * settings_.repeats, measured_, kStage)) return false;
         Hypothesis here = h;
         judge(here, s);
         if (!(here.q < h.q)) break;

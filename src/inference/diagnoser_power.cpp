@@ -16,6 +16,11 @@ constexpr const char* kStage = "strengths that would be seen";
 constexpr double kFourOfFive = 0.8416;
 /// Forms and places of an effect that are looked at, those first whose derivatives promise most [-].
 constexpr std::size_t kFormsOfOne = 2;
+/// Surveys at most around the parameters that make up for most, on the way to those that make up for more [-]; repeats of their simulations, as a share [-].
+constexpr int kSurveys = 3;
+constexpr std::int64_t kSurveyShare = 4;
+/// How far beyond a survey its derivatives are trusted [steps].
+constexpr double kTrust = 2.0;
 /// Strengths of each at most, the last one the largest that is allowed; and the factors between them, and at last [-].
 constexpr int kStrengths = 6;
 constexpr double kGrowth = 2.0, kCloseEnough = 1.5;
@@ -29,36 +34,40 @@ struct Diagnoser::Substitutes {
 };
 
 /// z to expect of an effect of this strength where the parameters make up for most of it; or any value less than `enough` if it is. A model without effect is held against simulations with it as a calibrated
-/// one against measurements, in its own residual space and with the linear absorption of a score test: the model itself, what that absorption leads to, and the best of the substitutes.
+/// one against measurements, in its own residual space and with the linear absorption of a score test: the model itself, where that absorption leads, the best of the substitutes, and where surveys lead from the best of these.
 std::optional<double> Diagnoser::expected_z(const EffectDose& dose, double enough, Substitutes& substitutes) {
     const auto with = simulate(kStage, base_.parameters, {dose}, settings_.repeats);
     if (!with) return std::nullopt;
 
-    double least = kInfinity;
-    Eigen::VectorXd shift = Eigen::VectorXd::Zero(base_.parameters.size());
-    const auto hold_against = [&](const ResidualSpace& model) {
+    struct {
+        double z = kInfinity;
+        Eigen::VectorXd parameters, shift;  ///< to where derivatives lead from there
+    } least;
+    const auto hold_against = [&](const ResidualSpace& model, const Eigen::VectorXd& at,
+                                  const Eigen::MatrixXd& derivatives) {
         const ResidualMean measured = mean_residual(model.of(measured_)), effect = mean_residual(model.of(*with));
         if (!comparable(measured, base_.observed) || !simulates_enough(effect, with->rows(), measured)) return;
         const ResidualMean change{effect.mean - mean_residual(model.of_reference()).mean, measured.together};
         const double over =
             1.0 / static_cast<double>(with->rows()) + 1.0 / static_cast<double>(model.reference().rows());
-        const ScoreTest test(row_covariance(model), base_.slopes.directions, deviation_, {{change.mean, 1.0 / over}});
+        const ScoreTest test(row_covariance(model), derivatives, deviation_, {{change.mean, 1.0 / over}});
         const ScoreResult score = test(change);
-        if (!(score.visibility[0] < least)) return;
-        least = score.visibility[0];
-        shift = score.shift;
+        if (score.visibility[0] < least.z) least = {score.visibility[0], at, score.shift};
     };
-    const auto simulate_at = [&](const Eigen::VectorXd& parameters) {
-        auto without = simulate(kStage, parameters, {}, settings_.repeats);
+    const auto simulate_at = [&](const Eigen::VectorXd& at, const Eigen::MatrixXd& derivatives) {
+        auto without = simulate(kStage, at, {}, settings_.repeats);
         if (without)
             hold_against(ResidualSpace(std::move(*without), measured_, problem_.blocks, settings_.residuals,
-                                       base_.space->residuals()));
+                                       base_.space->residuals()),
+                         at, derivatives);
         return without.has_value();
     };
-    hold_against(*base_.space);
-    if (least < enough) return least;
-    if (!simulate_at(within_ranges(base_.parameters + shift))) return std::nullopt;
-    if (least < enough) return least;
+    least.parameters = base_.parameters;
+    least.shift = Eigen::VectorXd::Zero(base_.parameters.size());
+    hold_against(*base_.space, base_.parameters, base_.slopes.directions);
+    if (least.z < enough) return least.z;
+    if (!simulate_at(within_ranges(base_.parameters + least.shift), base_.slopes.directions)) return std::nullopt;
+    if (least.z < enough) return least.z;
 
     View view(ResidualSpace(*with, measured_, problem_.blocks, settings_.residuals, base_.space->residuals()),
               measured_);
@@ -78,12 +87,23 @@ std::optional<double> Diagnoser::expected_z(const EffectDose& dose, double enoug
         }
         substitutes.search.tell(told);
     }
-    const Eigen::VectorXd best = from_ranges(substitutes.search.best());
-    const double before = least;
-    if (!simulate_at(best)) return std::nullopt;
-    if (least < enough || least == before) return least;
-    if (!simulate_at(within_ranges(best + shift))) return std::nullopt;
-    return least;
+    if (!simulate_at(from_ranges(substitutes.search.best()), base_.slopes.directions)) return std::nullopt;
+
+    for (int surveys = 0; surveys < kSurveys && least.z >= enough; ++surveys) {
+        const double before = least.z;
+        Survey around;
+        around.at = least.parameters;
+        around.step = base_.step;
+        if (!survey(around, kNoEffect, std::max<std::int64_t>(settings_.repeats / kSurveyShare, 1), *with, kStage))
+            return std::nullopt;
+        const ScoreTest test(around.covariance, around.slopes.directions, deviation_, {});
+        const Eigen::VectorXd
+            farthest = kTrust * around.step,
+            to = test({around.left, base_.observed.together}).shift.cwiseMin(farthest).cwiseMax(-farthest);
+        if (!simulate_at(within_ranges(around.at + to), around.slopes.directions)) return std::nullopt;
+        if (!(least.z < before)) break;
+    }
+    return least.z;
 }
 
 /// Of one form, the least strength of which so much z is to be expected, from what its derivatives promise upwards; told too large rather than too small, but for the reference, which is asked for where
@@ -126,7 +146,7 @@ bool Diagnoser::find_strengths_seen(Diagnosis& d) {
         }
         std::sort(forms.begin(), forms.end());
         if (substitutes) forms.resize(std::min(forms.size(), kFormsOfOne));
-        planned_ += forms.size() * (substitutes ? 4 + settings_.power_search : 0);
+        planned_ += forms.size() * (substitutes ? 4 + settings_.power_search + of_survey() : 0);
         for (const auto& [promised, k] : forms) {
             if (!(promised < f.smallest_seen)) break;
             const std::optional<double> seen =

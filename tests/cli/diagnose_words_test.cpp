@@ -264,6 +264,16 @@ TEST(DiagnoseWords, ANameThatWasTakenBack) {
               "predicted no better with ground_drag than without");
 }
 
+TEST(DiagnoseWords, WhereNoFoldHasAPointOfItsOwnNothingWasHeldOut) {
+    DiagnoseStudy study = unknown({0.99}, 0.3);
+    study.before.observables.emplace_back();
+    study.baseline.result.folds.resize(3);
+    const auto said = Contains(StartsWith("every fold of the calibrated model ends at the point that all blocks"));
+    EXPECT_THAT(diagnose_remarks(study), said);
+    study.baseline.result.folds.back().point.values = {0.5};
+    EXPECT_THAT(diagnose_remarks(study), Not(said));
+}
+
 TEST(DiagnoseWords, AStrengthAndWhereItActs) {
     DiagnosisCandidate patch{"soil_patch", "", false, {}};
     DiagnosisVariant v;

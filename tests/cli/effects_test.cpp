@@ -340,6 +340,8 @@ TEST(EffectCatalogueCommand, DetailsEndWithAnEntryToCopy) {
         const std::string site = quarry_with(folder.path(), outcome.out.substr(outcome.out.find("[[effect]]")));
         EXPECT_NO_THROW(cli::read_site_file(site, {})) << info.name;
     }
+    EXPECT_THAT(scree_program({"effects", "soil_patch"}).out,
+                HasSubstr("# rolling = ...    of the soil where it is not given"));
     const Outcome unknown = scree_program({"effects", "gravity"});
     EXPECT_EQ(unknown.code, 3);
     EXPECT_THAT(unknown.err, HasSubstr("there is no effect gravity; scree effects lists them"));
