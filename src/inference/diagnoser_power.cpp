@@ -31,7 +31,31 @@ constexpr double kGrowth = 2.0, kCloseEnough = 1.5;
 struct Diagnoser::Substitutes {
     EmulatedSearch search;                 ///< for the parameters that make up for the effect looked at
     std::vector<ObservationTable> tables;  ///< of its trials
+
+    std::optional<Eigen::VectorXd> best_for(const ObservationTable& with, Diagnoser& d);
 };
+
+/// The parameters that make up for most of what was simulated with an effect, as single simulations tell; none: stopped.
+std::optional<Eigen::VectorXd> Diagnoser::Substitutes::best_for(const ObservationTable& with, Diagnoser& d) {
+    View view(ResidualSpace(with, d.measured_, d.problem_.blocks, d.settings_.residuals, d.base_.space->residuals()),
+              d.measured_);
+    view.observed.mean = mean_residual(view.space.of_reference()).mean;
+    std::vector<Eigen::VectorXd> told;
+    for (const ObservationTable& t : tables) told.push_back(d.residuals_of(t, view));
+    search.tell_of_another(told);
+    for (std::size_t trials = 0; trials < d.settings_.power_search;) {
+        told.clear();
+        for (const Eigen::VectorXd& u : search.ask()) {
+            auto without = d.simulate(kStage, d.from_ranges(u), {}, 1);
+            if (!without) return std::nullopt;
+            told.push_back(d.residuals_of(*without, view));
+            tables.push_back(std::move(*without));
+            trials += tables.size() > EmulatedSearch::kSpread;
+        }
+        search.tell(told);
+    }
+    return d.from_ranges(search.best());
+}
 
 /// z to expect of an effect of this strength where the parameters make up for most of it; or any value less than `enough` if it is. A model without effect is held against simulations with it as a calibrated
 /// one against measurements, in its own residual space and with the linear absorption of a score test: the model itself, where that absorption leads, the best of the substitutes, and where surveys lead from the best of these.
@@ -69,25 +93,8 @@ std::optional<double> Diagnoser::expected_z(const EffectDose& dose, double enoug
     if (!simulate_at(within_ranges(base_.parameters + least.shift), base_.slopes.directions)) return std::nullopt;
     if (least.z < enough) return least.z;
 
-    View view(ResidualSpace(*with, measured_, problem_.blocks, settings_.residuals, base_.space->residuals()),
-              measured_);
-    view.observed.mean = mean_residual(view.space.of_reference()).mean;
-    const auto residuals = [&](const ObservationTable& t) { return residuals_of(t, view); };
-    std::vector<Eigen::VectorXd> told(substitutes.tables.size());
-    std::transform(substitutes.tables.begin(), substitutes.tables.end(), told.begin(), residuals);
-    substitutes.search.tell_of_another(told);
-    for (std::size_t trials = 0; trials < settings_.power_search;) {
-        told.clear();
-        for (const Eigen::VectorXd& u : substitutes.search.ask()) {
-            auto without = simulate(kStage, from_ranges(u), {}, 1);
-            if (!without) return std::nullopt;
-            told.push_back(residuals(*without));
-            substitutes.tables.push_back(std::move(*without));
-            trials += substitutes.tables.size() > EmulatedSearch::kSpread;
-        }
-        substitutes.search.tell(told);
-    }
-    if (!simulate_at(from_ranges(substitutes.search.best()), base_.slopes.directions)) return std::nullopt;
+    const auto best = substitutes.best_for(*with, *this);
+    if (!best || !simulate_at(*best, base_.slopes.directions)) return std::nullopt;
 
     for (int surveys = 0; surveys < kSurveys && least.z >= enough; ++surveys) {
         const double before = least.z;
