@@ -98,7 +98,7 @@ fs::path with_speeds(const fs::path& results, const fs::path& folder, double fac
 
 TEST(Diagnose, NamesAFaultOfTheMeasurementAndWritesAllOfIt) {
     const TempDir folder;
-    const fs::path observed = with_speeds(field_test(folder / "field", 24), folder / "obs", 1.35), out = folder / "out";
+    const fs::path observed = with_speeds(field_test(folder / "field", 18), folder / "obs", 1.35), out = folder / "out";
     const Outcome run =
         diagnose(out, {"--observed", observed.string(), "--set", "diagnosis.reference_repeats=30", "--set",
                        "diagnosis.repeats=12", "--set", "diagnosis.rounds=3", "--set", "diagnosis.wide_search=40",
@@ -162,7 +162,7 @@ TEST(Diagnose, NamesAFaultOfTheMeasurementAndWritesAllOfIt) {
 
 TEST(Diagnose, GoesOnWhereItWasStoppedWhileEffectsWereFollowed) {
     const TempDir folder;
-    const fs::path observed = with_speeds(field_test(folder / "field", 12), folder / "obs", 1.5);
+    const fs::path observed = with_speeds(field_test(folder / "field", 9), folder / "obs", 1.5);
     const fs::path out = folder / "out", again = folder / "again";
     std::vector<std::string> more{"--observed", observed.string(),
                                   "--set",      "diagnosis.further=false",
@@ -261,7 +261,7 @@ TEST(Diagnose, RestartsLeaveBehindWhatIsWrongAbove) {
 
 TEST(Diagnose, AForceSaysWhatAnEffectWithoutANameDoes) {
     const TempDir folder;
-    field_test_with(folder, "kind = \"ground_drag\"\ncoefficient = 2.0\n", 30);
+    field_test_with(folder, "kind = \"ground_drag\"\ncoefficient = 2.0\n", 20);
     const fs::path out = folder / "out";
     const std::vector<std::string> more{"--observed", (folder / "field").string(), "--set", nothing_but({})};
     const Outcome run = diagnose(out, more);
@@ -349,10 +349,9 @@ TEST(Diagnose, WhatActsInAPlaceIsALayerOfItsOwn) {
     const TempDir folder;
     field_test_with(folder, "kind = \"soil_patch\"\nfrom = 20.0\nto = 32.0\nrolling = 0.5\n", 30);
     const fs::path out = folder / "out";
-    const Outcome run =
-        diagnose(out, {"--observed", (folder / "field").string(), "--set", "diagnosis.rounds=2", "--set",
-                       "diagnosis.wide_search=40", "--set", "diagnosis.repeats=12", "--set", "calibration.folds=0",
-                       "--set", "observed.axis=measured", "--set", nothing_but({"soil_patch", "speed_error"})});
+    const Outcome run = diagnose(out, {"--observed", (folder / "field").string(), "--set", "diagnosis.rounds=2",
+                                       "--set", "diagnosis.repeats=12", "--set", "calibration.folds=0", "--set",
+                                       "observed.axis=measured", "--set", nothing_but({"soil_patch", "speed_error"})});
     ASSERT_EQ(run.code, 0) << run.err;
     EXPECT_THAT(run.out, HasSubstr("=> NAMED: soil_patch, that holds blocks back"));
     EXPECT_THAT(run.out, HasSubstr("soil_patch belongs to that place (distances count along azimuth"));
