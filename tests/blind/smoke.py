@@ -20,7 +20,7 @@ SMALL = ["calibration.screening=6", "calibration.generations=1", "calibration.se
          "diagnosis.finalists=1", "diagnosis.rounds=1", "diagnosis.wide_search=0", "diagnosis.level=0.001",
          'diagnosis.without=["soil_patch", "low_friction", "forest_drag", "slip_friction", "release_motion", "block_shape", "rolling_speed", "restitution_mass", '
          '"restitution_half_speed", "fragmentation", "roughness", "third_dimension"]']
-DRAWN = ["--seed", "smoke", "--count", "60", "--blocks", "14", "--threads", "2", "--search", "none", "--slopes", "development"]
+DRAWN = ["--seed", "smoke", "--count", "40", "--blocks", "14", "--threads", "2", "--search", "none", "--slopes", "development"]
 TRACES = ("own_law", "[[effect]]", "tier", "delta", "laws.so", "truth")
 
 
