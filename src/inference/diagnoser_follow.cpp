@@ -9,7 +9,7 @@ namespace scree {
 
 namespace {
 
-constexpr const char* kStage = "finalists";
+constexpr const char* kFollowing = "finalists";
 /// Change of the misfit, minus twice a log-likelihood, that is noise, at least and as a share of the misfit [-]; and how many surveys in a row without a larger one are the end [-].
 constexpr double kSettled = 3.0, kSettledShare = 0.04;
 constexpr int kWithoutBetter = 2, kWithoutBetterPlace = 3;
@@ -87,7 +87,7 @@ Slopes slopes_of(Eigen::MatrixXd moved, Eigen::MatrixXd means, double rows_over)
 }
 
 /// Simulations all around `at`, a step away in every direction; measured and simulated rows are seen in the residual space of all of them. More directions
-/// share the rows of a survey of parameters and strength.
+/// share the rows of a survey of parameters and strength. What counts as measured may be simulated, too, with an effect that a model without it is to make up for.
 bool Diagnoser::survey(Survey& s, std::size_t fingerprint, std::int64_t repeats, const ObservationTable& measured,
                        const char* stage) {
     const Eigen::Index count = base_.parameters.size();
@@ -384,7 +384,7 @@ void Diagnoser::go(Pursuit& p) const {
 bool Diagnoser::advance(Pursuit& p) {
     const std::size_t fingerprint = p.best.fingerprint;
     if (p.of_best.at.size() > 0) go(p);
-    if (!survey(p.here, fingerprint, p.on_the_way ? repeats_on_the_way() : half_repeats(), measured_, kStage))
+    if (!survey(p.here, fingerprint, p.on_the_way ? repeats_on_the_way() : half_repeats(), measured_, kFollowing))
         return false;
     const LocalMisfit misfit(p.here, prior_of(fingerprint));
     p.left = misfit.at(Eigen::VectorXd::Zero(p.here.at.size()));
@@ -496,7 +496,7 @@ bool Diagnoser::race(Hypothesis& h) {
         Survey s;
         s.at = unknowns_of(h);
         s.step = h.step;
-        if (!survey(s, h.fingerprint, kRaceRepeats * settings_.repeats, measured_, kStage)) return false;
+        if (!survey(s, h.fingerprint, kRaceRepeats * settings_.repeats, measured_, kFollowing)) return false;
         Hypothesis here = h;
         judge(here, s);
         if (!(here.q < h.q)) break;

@@ -20,7 +20,7 @@ constexpr std::size_t kFormsOfOne = 2;
 constexpr int kSurveys = 3;
 constexpr std::int64_t kSurveyShare = 4;
 /// How far beyond a survey its derivatives are trusted [steps].
-constexpr double kTrust = 2.0;
+constexpr double kSurveyReach = 2.0;
 /// Strengths of each at most, the last one the largest that is allowed; and the factors between them, and at last [-].
 constexpr int kStrengths = 6;
 constexpr double kGrowth = 2.0, kCloseEnough = 1.5;
@@ -105,7 +105,7 @@ std::optional<double> Diagnoser::expected_z(const EffectDose& dose, double enoug
             return std::nullopt;
         const ScoreTest test(around.covariance, around.slopes.directions, deviation_, {});
         const Eigen::VectorXd
-            farthest = kTrust * around.step,
+            farthest = kSurveyReach * around.step,
             to = test({around.left, base_.observed.together}).shift.cwiseMin(farthest).cwiseMax(-farthest);
         if (!simulate_at(within_ranges(around.at + to), around.slopes.directions)) return std::nullopt;
         if (!(least.z < before)) break;

@@ -507,6 +507,29 @@ TEST(Diagnosis, PlanningKnowsWhatParametersMakeUpForFarAway) {
     EXPECT_NEAR(seen(16, kOther) / seen(0, kOther), 1.0, 0.5);
 }
 
+// Single simulations do not find what two parameters make up for together: the search alone tells 5.4 of the first seed.
+TEST(Diagnosis, PlanningLooksAroundWhatMakesUpForMost) {
+    const auto blocks = blocks_of_test();
+    DiagnosisProblem problem = problem_for(blocks, {{"as both parameters", false, {{"", 30.0}}}});
+    problem.calibrated = {0.0, 0.0};
+    problem.low = {-1.0, -1.0};
+    const auto thrown = [&](const DiagnosisTask& t) {
+        DiagnosisTask task = t;
+        task.effects.clear();
+        const double strength = t.effects.empty() ? 0.0 : t.effects.front().strength;
+        const double from[] = {0.3, 0.4};
+        for (std::size_t k = 0; k < 2; ++k)
+            task.parameters[k] = from[k] + t.parameters[k] * t.parameters[k] + 0.1 * strength;
+        return std::optional(throw_blocks(blocks, task));
+    };
+    for (const std::uint64_t seed : {1U, 2U, 3U}) {
+        DiagnosisSettings settings = brief(seed);
+        settings.power_search = 16;
+        const Diagnosis plan = plan_test(problem, measured(blocks, seed, {}), settings, thrown, {});
+        EXPECT_GT(plan.findings.front().smallest_seen, 8.0) << "10 are made up for, seed " << seed;
+    }
+}
+
 TEST(Diagnosis, DependsOnTheSeedAlone) {
     const auto blocks = blocks_of_test();
     const DiagnosisProblem problem = problem_for(blocks, all_effects());
