@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// scree diagnose on quarry_a in 2D, with budgets that are small and faults that are large: how often it is right is for the blind cases.
-#include "cli/process.hpp"
-#include "cli/program.hpp"
+// scree diagnose on quarry_a in 2D: verdicts, and what is written of them.
+#include "cli/diagnose_program.hpp"
 #include "cli/results.hpp"
 #include "support/paths.hpp"
 
@@ -9,9 +8,7 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
-#include <algorithm>
 #include <filesystem>
-#include <regex>
 #include <sstream>
 
 namespace scree::test {
@@ -22,61 +19,6 @@ using testing::HasSubstr;
 using testing::IsEmpty;
 using testing::Not;
 namespace fs = std::filesystem;
-
-/// A field test: quarry_a with another seed.
-fs::path field_test(const fs::path& folder, int blocks, int dimension = 2) {
-    std::vector<std::string> args{"--set", "release.count=" + std::to_string(blocks),     "--seed", "5",
-                                  "--set", "model.dimension=" + std::to_string(dimension)};
-    EXPECT_EQ(run_quarry_a(folder, args).code, 0);
-    return folder;
-}
-
-/// The same with an effect that the model lacks: FOLDER/site.toml, thrown in FOLDER/field.
-void field_test_with(const TempDir& folder, const std::string& effect, int blocks, int dimension = 2) {
-    std::string text = text_of(quarry_a() / "site.toml");
-    text = std::regex_replace(text, std::regex("\"data/"), "\"" + (quarry_a() / "data").string() + "/");
-    put(folder / "site.toml", text + "\n[[effect]]\n" + effect);
-    const Outcome field =
-        scree_program({"run", (folder / "site.toml").string(), "--output", (folder / "field").string(), "--set",
-                       "model.dimension=" + std::to_string(dimension), "--set",
-                       "release.count=" + std::to_string(blocks), "--seed", "5"});
-    ASSERT_EQ(field.code, 0) << field.err;
-}
-
-/// A catalogue of a few: what takes long to search for is known to be absent.
-std::string nothing_but(const std::vector<std::string>& effects) {
-    json rest = json::array();
-    for (const char* name : {"soil_patch", "low_friction", "forest_drag", "slip_friction", "rolling_size",
-                             "rolling_speed", "restitution_mass", "restitution_half_speed", "fragmentation",
-                             "release_motion", "block_shape", "roughness", "ground_drag", "third_dimension",
-                             "screen_shift", "slow_missed", "ids_shuffled", "speed_error", "height_datum"})
-        if (std::find(effects.begin(), effects.end(), name) == effects.end()) rest.push_back(name);
-    return "diagnosis.without=" + rest.dump();
-}
-
-constexpr const char* kRolling = "soil.compact waste.rolling=0.01:0.3:log";
-constexpr const char* kRestitution = "soil.compact waste.restitution=0:0.2";  // makes up for hardly anything
-
-std::vector<std::string> diagnosis(const fs::path& output, const std::vector<std::string>& more,
-                                   const char* free = kRolling) {
-    std::vector<std::string> args{
-        "diagnose", (quarry_a() / "site.toml").string(), "--output", output.string(), "--free", free};
-    for (const char* set :
-         {"model.dimension=2", "calibration.starts=1", "calibration.screening=5", "calibration.generations=1",
-          "calibration.search_repeats=3", "calibration.surroundings=8", "calibration.repeats=3",
-          "calibration.final_repeats=5", "calibration.folds=2", "calibration.draws=200", "observed.draws=200",
-          "diagnosis.reference_repeats=24", "diagnosis.repeats=8", "diagnosis.draws=199", "diagnosis.finalists=2",
-          "diagnosis.rounds=1", "diagnosis.wide_search=0", "diagnosis.power_search=8"}) {
-        args.push_back("--set");
-        args.push_back(set);
-    }
-    args.insert(args.end(), more.begin(), more.end());
-    return args;
-}
-
-Outcome diagnose(const fs::path& output, const std::vector<std::string>& more, const char* free = kRolling) {
-    return scree_program(diagnosis(output, more, free));
-}
 
 /// The same with every measured speed, or those of one screen, times a factor, as tables.
 fs::path with_speeds(const fs::path& results, const fs::path& folder, double factor, const std::string& at = "") {
@@ -98,7 +40,8 @@ fs::path with_speeds(const fs::path& results, const fs::path& folder, double fac
 
 TEST(Diagnose, NamesAFaultOfTheMeasurementAndWritesAllOfIt) {
     const TempDir folder;
-    const fs::path observed = with_speeds(field_test(folder / "field", 18), folder / "obs", 1.35), out = folder / "out";
+    const fs::path observed = with_speeds(quarry_field_test(folder / "field", 18), folder / "obs", 1.35),
+                   out = folder / "out";
     const Outcome run =
         diagnose(out, {"--observed", observed.string(), "--set", "diagnosis.reference_repeats=30", "--set",
                        "diagnosis.repeats=12", "--set", "diagnosis.rounds=3", "--set", "diagnosis.wide_search=40",
@@ -162,7 +105,7 @@ TEST(Diagnose, NamesAFaultOfTheMeasurementAndWritesAllOfIt) {
 
 TEST(Diagnose, GoesOnWhereItWasStoppedWhileEffectsWereFollowed) {
     const TempDir folder;
-    const fs::path observed = with_speeds(field_test(folder / "field", 9), folder / "obs", 1.5);
+    const fs::path observed = with_speeds(quarry_field_test(folder / "field", 9), folder / "obs", 1.5);
     const fs::path out = folder / "out", again = folder / "again";
     std::vector<std::string> more{"--observed", observed.string(),
                                   "--set",      "diagnosis.further=false",
@@ -195,7 +138,8 @@ void expect_the_nearest_is_told(const fs::path& out, const fs::path& observed) {
 
 TEST(Diagnose, WithoutTheRightNameItIsUnknownAndNoForce) {
     const TempDir folder;
-    const fs::path observed = with_speeds(field_test(folder / "field", 16), folder / "obs", 1.35), out = folder / "out";
+    const fs::path observed = with_speeds(quarry_field_test(folder / "field", 16), folder / "obs", 1.35),
+                   out = folder / "out";
     const std::vector<std::string> more{"--observed", observed.string(), "--set",
                                         nothing_but({"slow_missed", "rolling_speed"})};
     const Outcome run = diagnose(out, more);
@@ -209,7 +153,7 @@ TEST(Diagnose, WithoutTheRightNameItIsUnknownAndNoForce) {
 // With several parameters free what is calibrated leaves more over all than what the residuals ask for, a step beyond what was tested.
 TEST(Diagnose, WithoutAnAnswerTheLastStepOfTheParametersIsTaken) {
     const TempDir folder;
-    field_test_with(folder, "kind = \"ground_drag\"\ncoefficient = 2.0\n", 16);
+    quarry_field_test_with(folder, "kind = \"ground_drag\"\ncoefficient = 2.0\n", 16);
     const fs::path out = folder / "out";
     const Outcome run =
         diagnose(out,
@@ -231,7 +175,7 @@ TEST(Diagnose, WithoutAnAnswerTheLastStepOfTheParametersIsTaken) {
 // Slower at the second screen alone: blocks that start with what was measured at the first show it there.
 TEST(Diagnose, RestartsAtAScreenShowWhatLiesBelowIt) {
     const TempDir folder;
-    const fs::path observed = with_speeds(field_test(folder / "field", 24), folder / "obs", 0.7, "ES2-A"),
+    const fs::path observed = with_speeds(quarry_field_test(folder / "field", 24), folder / "obs", 0.7, "ES2-A"),
                    out = folder / "out";
     const Outcome run =
         diagnose(out, {"--observed", observed.string(), "--set", "diagnosis.further=false", "--set", nothing_but({})});
@@ -247,7 +191,7 @@ TEST(Diagnose, RestartsAtAScreenShowWhatLiesBelowIt) {
 // Too fast from the release on: below the screens the ground does what the model does.
 TEST(Diagnose, RestartsLeaveBehindWhatIsWrongAbove) {
     const TempDir folder;
-    field_test_with(folder, "kind = \"release_motion\"\nspeed = 18.0\n", 24);
+    quarry_field_test_with(folder, "kind = \"release_motion\"\nspeed = 18.0\n", 24);
     const fs::path out = folder / "out";
     const Outcome run = diagnose(
         out, {"--observed", (folder / "field").string(), "--set", "diagnosis.further=false", "--set", nothing_but({})},
@@ -261,7 +205,7 @@ TEST(Diagnose, RestartsLeaveBehindWhatIsWrongAbove) {
 
 TEST(Diagnose, AForceSaysWhatAnEffectWithoutANameDoes) {
     const TempDir folder;
-    field_test_with(folder, "kind = \"ground_drag\"\ncoefficient = 2.0\n", 20);
+    quarry_field_test_with(folder, "kind = \"ground_drag\"\ncoefficient = 2.0\n", 20);
     const fs::path out = folder / "out";
     const std::vector<std::string> more{"--observed", (folder / "field").string(), "--set", nothing_but({})};
     const Outcome run = diagnose(out, more);
@@ -284,7 +228,8 @@ TEST(Diagnose, AForceSaysWhatAnEffectWithoutANameDoes) {
 
 TEST(Diagnose, FindsNothingInATestOfTheModelItself) {
     const TempDir folder;
-    const fs::path observed = with_speeds(field_test(folder / "field", 12), folder / "obs", 1.0), out = folder / "out";
+    const fs::path observed = with_speeds(quarry_field_test(folder / "field", 12), folder / "obs", 1.0),
+                   out = folder / "out";
     const std::string few = nothing_but({"forest_drag", "rolling_size", "speed_error"});
     const Outcome run = diagnose(out, {"--observed", observed.string(), "--set", few, "--threads", "1"});
     ASSERT_EQ(run.code, 0) << run.err;
@@ -317,7 +262,7 @@ TEST(Diagnose, FindsNothingInATestOfTheModelItself) {
 
 TEST(Diagnose, WhatAProfileLeavesOutHasAName) {
     const TempDir folder;
-    const fs::path out = folder / "out", field = field_test(folder / "field", 14, 3);
+    const fs::path out = folder / "out", field = quarry_field_test(folder / "field", 14, 3);
     const Outcome run =
         diagnose(out, {"--observed", field.string(), "--set", "diagnosis.reference_repeats=30", "--set",
                        "diagnosis.repeats=12", "--set", "diagnosis.rounds=2", "--set", "calibration.folds=0", "--set",
@@ -347,7 +292,7 @@ TEST(Diagnose, WhatAProfileLeavesOutHasAName) {
 
 TEST(Diagnose, WhatActsInAPlaceIsALayerOfItsOwn) {
     const TempDir folder;
-    field_test_with(folder, "kind = \"soil_patch\"\nfrom = 20.0\nto = 32.0\nrolling = 0.5\n", 30);
+    quarry_field_test_with(folder, "kind = \"soil_patch\"\nfrom = 20.0\nto = 32.0\nrolling = 0.5\n", 30);
     const fs::path out = folder / "out";
     const Outcome run = diagnose(out, {"--observed", (folder / "field").string(), "--set", "diagnosis.rounds=2",
                                        "--set", "diagnosis.repeats=12", "--set", "calibration.folds=0", "--set",
@@ -393,12 +338,12 @@ TEST(Diagnose, WhatActsInAPlaceIsALayerOfItsOwn) {
 
 TEST(Diagnose, TwoEffectsAreBothNamed) {
     const TempDir folder;
-    field_test_with(folder, "kind = \"ground_drag\"\ncoefficient = 3.0\n", 16);
+    quarry_field_test_with(folder, "kind = \"ground_drag\"\ncoefficient = 3.0\n", 16);
     const fs::path out = folder / "out", observed = with_speeds(folder / "field", folder / "obs", 1.4);
     const Outcome run = diagnose(out,
                                  {"--observed", observed.string(), "--set", "diagnosis.wide_search=40", "--set",
                                   nothing_but({"ground_drag", "speed_error"})},
-                                 kRestitution);
+                                 kFreeRestitution);
     ASSERT_EQ(run.code, 0) << run.err;
     EXPECT_THAT(run.out, HasSubstr("=> NAMED"));
     const json j = json::parse(text_of(out / "diagnosis.json"));
@@ -425,14 +370,14 @@ TEST(Diagnose, TwoEffectsAreBothNamed) {
 
 TEST(Diagnose, InSpaceItHasMapsOfBeforeAndAfter) {
     const TempDir folder;
-    field_test_with(folder, "kind = \"rolling_size\"\nexponent = -2.0\n", 10, 3);
+    quarry_field_test_with(folder, "kind = \"rolling_size\"\nexponent = -2.0\n", 10, 3);
     const fs::path out = folder / "out";
     const Outcome run =
         diagnose(out,
                  {"--observed", (folder / "field").string(), "--set", "model.dimension=3", "--set",
                   "diagnosis.reference_repeats=12", "--set", "diagnosis.wide_search=40", "--set", "calibration.folds=0",
                   "--set", "release.count=100", "--set", nothing_but({"rolling_size"})},
-                 kRestitution);
+                 kFreeRestitution);
     ASSERT_EQ(run.code, 0) << run.err;
     EXPECT_THAT(run.out, HasSubstr("=> NAMED: rolling_size"));
     EXPECT_THAT(run.out, Not(HasSubstr("confirm with model.dimension = 3")));
@@ -454,13 +399,13 @@ TEST(Diagnose, InSpaceItHasMapsOfBeforeAndAfter) {
 // No name is found, and the layers are those of the parameters that are told.
 TEST(Diagnose, InSpaceWhatIsToldHasAMap) {
     const TempDir folder;
-    field_test_with(folder, "kind = \"ground_drag\"\ncoefficient = 2.0\n", 8, 3);
+    quarry_field_test_with(folder, "kind = \"ground_drag\"\ncoefficient = 2.0\n", 8, 3);
     const fs::path out = folder / "out";
     const Outcome run = diagnose(out,
                                  {"--observed", (folder / "field").string(), "--free", "soil.*.rolling=0.01:0.3:log",
                                   "--set", "model.dimension=3", "--set", "diagnosis.reference_repeats=12", "--set",
                                   "diagnosis.further=false", "--set", nothing_but({})},
-                                 kRestitution);
+                                 kFreeRestitution);
     ASSERT_EQ(run.code, 0) << run.err;
     EXPECT_THAT(run.out, HasSubstr("=> UNKNOWN"));
     const json baseline = json::parse(text_of(out / "diagnosis.json")).at("baseline");
@@ -484,121 +429,6 @@ TEST(Diagnose, StopsAtMeasurementsThatCannotBe) {
     ASSERT_EQ(run.code, 0) << run.err;
     EXPECT_THAT(run.out, HasSubstr("=> DATA PROBLEM: the measurements cannot be used as they are"));
     EXPECT_EQ(json::parse(text_of(folder / "out" / "diagnosis.json")).at("verdict"), "DATA PROBLEM");
-}
-
-TEST(Diagnose, PlansATestBeforeAnythingIsMeasured) {
-    const TempDir folder;
-    const fs::path few = folder / "few", more = folder / "more";
-    ASSERT_EQ(diagnose(few, {"--plan", "--set", "release.count=8", "--set", "diagnosis.without=[\"roughness\"]"}).code,
-              0);
-    const Outcome run =
-        diagnose(more, {"--plan", "--instruments", "stops,speed,height,spin,impacts", "--set", "release.count=14",
-                        "--set", nothing_but({"speed_error", "height_datum", "roughness"})});
-    ASSERT_EQ(run.code, 0) << run.err;
-    EXPECT_THAT(run.out, HasSubstr("what would be seen in 4 of 5 such tests"));
-    const auto additions = [](const fs::path& out) {
-        std::vector<std::string> tests;
-        const json j = json::parse(text_of(out / "diagnosis.json"));
-        for (const json& row : j.at("in_addition")) tests.push_back(row.at("test"));
-        return tests;
-    };
-    double slowest = 0.0;
-    const json plan = json::parse(text_of(few / "diagnosis.json"));
-    for (const json& effect : plan.at("effects"))
-        if (effect.at("effect") == "slow_missed") slowest = effect.at("searched_up_to");
-    EXPECT_EQ(slowest, 8.0);
-    EXPECT_THAT(text_of(few / "report.html"), HasSubstr("searched up to"));
-    EXPECT_THAT(additions(few),
-                testing::ElementsAre("as planned", "with heights at the screens", "with spins at the screens",
-                                     "with heights and spins at the screens", "with films of the first 3 impacts",
-                                     "with twice as many blocks"));
-    EXPECT_THAT(additions(more), testing::ElementsAre("as planned", "with twice as many blocks"));
-    const auto visibility = [](const fs::path& out, const char* effect) {
-        const json j = json::parse(text_of(out / "diagnosis.json"));
-        EXPECT_EQ(j.at("verdict"), "PLAN");
-        for (const json& e : j.at("effects"))
-            if (e.at("effect") == effect) return e.at("visibility_at_reference").get<double>();
-        return -1.0;
-    };
-    EXPECT_GT(visibility(more, "speed_error"), 2.0);
-    EXPECT_EQ(visibility(few, "height_datum"), -1.0) << "no heights, no datum";
-    EXPECT_GE(visibility(more, "height_datum"), 0.0);
-    EXPECT_EQ(visibility(few, "roughness"), -1.0) << "said to be absent";
-    EXPECT_GE(visibility(more, "roughness"), 0.0);
-    EXPECT_THAT(text_of(few / "diagnosis.json"), HasSubstr("roughness: said to be absent"));
-}
-
-TEST(Diagnose, FullTakesThreeTimesTheSimulations) {
-    const TempDir folder;
-    const auto simulated = [&](const char* name, const char* full) {
-        std::vector<std::string> args{"--plan",
-                                      "--set",
-                                      "release.count=8",
-                                      "--set",
-                                      "diagnosis.further=false",
-                                      "--set",
-                                      nothing_but({"ground_drag", "ids_shuffled"})};
-        if (*full) args.emplace_back(full);
-        EXPECT_EQ(diagnose(folder / name, args).code, 0);
-        return json::parse(text_of(folder / name / "diagnosis.json")).at("simulated_blocks").get<double>();
-    };
-    const double usual = simulated("usual", ""), full = simulated("full", "--full");
-    EXPECT_NEAR(full / usual, 3.0, 0.5);
-}
-
-TEST(Diagnose, RefusesInOneSentence) {
-    const TempDir folder;
-    const Outcome nothing = diagnose(folder / "out", {});
-    EXPECT_EQ(nothing.code, 3);
-    EXPECT_THAT(nothing.err, HasSubstr("--observed, or --plan"));
-    const Outcome instrument = diagnose(folder / "out", {"--plan", "--instruments", "stops,smell"});
-    EXPECT_EQ(instrument.code, 3);
-    EXPECT_THAT(instrument.err, HasSubstr("knows no \"smell\""));
-    const Outcome no_plan = diagnose(folder / "out", {"--observed", "somewhere", "--instruments", "stops"});
-    EXPECT_EQ(no_plan.code, 2);
-    EXPECT_THAT(no_plan.err, HasSubstr("--instruments requires --plan"));
-    const Outcome both = diagnose(folder / "out", {"--plan", "--observed", "somewhere"});
-    EXPECT_EQ(both.code, 3);
-    EXPECT_THAT(both.err, HasSubstr("leave --observed out, or --plan"));
-    const Outcome nothing_left = diagnose(folder / "out", {"--plan", "--resume"});
-    EXPECT_EQ(nothing_left.code, 3);
-    EXPECT_THAT(nothing_left.err, HasSubstr("there is no diagnosis to go on with"));
-    const Outcome absent =
-        diagnose(folder / "out", {"--plan", "--set", "release.count=8", "--set", "diagnosis.without=[\"snow\"]"});
-    EXPECT_EQ(absent.code, 3);
-    EXPECT_THAT(absent.err, HasSubstr("diagnosis.without: \"snow\" is no effect that is searched for; there are"));
-    EXPECT_FALSE(fs::exists(folder / "out.journal")) << "before anything is simulated";
-    const Outcome level = diagnose(folder / "out", {"--plan", "--set", "diagnosis.level=0.004"});
-    EXPECT_EQ(level.code, 3);
-    EXPECT_THAT(level.err, HasSubstr("diagnosis.draws = 199 samples of chance can reject nothing at diagnosis.level = "
-                                     "0.004: give at least 249"));
-    const auto plan = [&](const std::vector<std::string>& more) {
-        std::vector<std::string> args{"diagnose", (quarry_a() / "site.toml").string(), "--plan", "--output",
-                                      (folder / "out").string()};
-        args.insert(args.end(), more.begin(), more.end());
-        return scree_program(args);
-    };
-    const Outcome choices = plan({"--free", "blocks.shape=hull,box"});
-    EXPECT_EQ(choices.code, 3);
-    EXPECT_THAT(choices.err, HasSubstr("choices alone (blocks.shape=hull,box) are none: free a number as well"));
-    const Outcome digits = plan({"--set", "release.count=7", "--set", "calibration.free=[]", "--set",
-                                 "soil.compact waste.restitution=0.412345678912"});
-    EXPECT_THAT(digits.err, HasSubstr("A test of 7 blocks")) << "a value of many digits is in the range made for it";
-    const Outcome few = diagnose(folder / "out", {"--plan", "--set", "release.count=7"});
-    EXPECT_EQ(few.code, 3);
-    EXPECT_THAT(few.err, HasSubstr("A test of 7 blocks is too small for a diagnosis, which needs at least 8"));
-    fs::create_directories(folder / "obs");
-    put(folder / "obs" / "stopping_points.csv",
-        "block_id,mass_kg,l1_m,l2_m,l3_m,easting_m,northing_m\nA,900,0.8,0.7,0.6,890080,6670040\nB,900,0.8,0.7,0.6,"
-        "890085,6670040\n");
-    const Outcome two = diagnose(folder / "out", {"--observed", (folder / "obs").string()});
-    EXPECT_EQ(two.code, 3);
-    EXPECT_THAT(two.err, HasSubstr("obs: a test of 2 blocks is too small for a diagnosis"));
-    fs::create_directories(folder / "out.journal");
-    put(folder / "out.journal" / "x.table", "");
-    const Outcome left = diagnose(folder / "out", {"--plan", "--set", "release.count=8"});
-    EXPECT_EQ(left.code, 3);
-    EXPECT_THAT(left.err, HasSubstr("--resume"));
 }
 
 }  // namespace
