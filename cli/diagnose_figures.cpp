@@ -99,9 +99,11 @@ Figure effects_figure(const DiagnoseStudy& study) {
     }
     if (study.planning)  // else finalists first, by weight
         std::stable_sort(bars.begin(), bars.end(), [](const Bar& a, const Bar& b) { return a.value > b.value; });
-    Figure f = bar_chart(bars, kNaN, d.test.z_limit, study.planning ? "What could be seen" : "What explains it",
-                         study.planning ? "z to expect at the reference strength" : "z of the effect",
-                         study.planning ? "seen in 4 of 5 tests" : "beyond chance", chance_words(study));
+    Figure f =
+        bar_chart(bars, kNaN, d.test.z_limit, study.planning ? "What could be seen" : "What explains it",
+                  study.planning ? "z to expect at the reference strength, before parameters far away make up for it"
+                                 : "z of the effect",
+                  study.planning ? "seen in 4 of 5 tests" : "beyond chance", chance_words(study));
     f.file = "effects.svg";
     f.title = study.planning ? "What could be seen" : "What explains it";
     f.caption =
