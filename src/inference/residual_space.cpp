@@ -51,20 +51,20 @@ std::vector<double> standardised(std::vector<double> values) {
     return values;
 }
 
-/// The k-th of non-negative values in ascending order, k from 1: by counting, as sorting so few of them costs what mispredicted branches do.
-double kth_smallest(const std::vector<double>& values, std::size_t k) {
+/// The k-th of non-negative values in ascending order, k from 1: by counting, as sorting so few of them costs what mispredicted branches do. `classes` is room for as many.
+double kth_smallest(const std::vector<double>& values, std::size_t k, std::vector<std::int32_t>& classes) {
     constexpr std::size_t kLast = 127;
     constexpr double kClasses = 64.0;  // to a unit; the last one is open
-    const auto class_of = [](double v) {
-        return static_cast<std::int32_t>(std::min(static_cast<double>(kLast), v * kClasses));  // NaN: the last one
-    };
+    for (std::size_t i = 0; i < values.size(); ++i)
+        classes[i] = static_cast<std::int32_t>(std::min(static_cast<double>(kLast), values[i] * kClasses));
     std::array<std::uint32_t, kLast + 1> count{};
-    for (const double v : values) ++count[static_cast<std::size_t>(class_of(v))];
+    for (const std::int32_t c : classes) ++count[static_cast<std::size_t>(c)];
     std::int32_t c = 0;
     for (; k > count[static_cast<std::size_t>(c)]; ++c) k -= count[static_cast<std::size_t>(c)];
     std::vector<double> members;
-    for (const double v : values)
-        if (class_of(v) == c) members.push_back(v);
+    members.reserve(count[static_cast<std::size_t>(c)]);
+    for (std::size_t i = 0; i < values.size(); ++i)
+        if (classes[i] == c) members.push_back(values[i]);
     const auto kth = members.begin() + static_cast<std::ptrdiff_t>(k) - 1;
     std::nth_element(members.begin(), kth, members.end());
     return *kth;
@@ -264,124 +264,151 @@ double ResidualSpace::level(const ObservationTable& table, std::size_t row, std:
     return kLevel * (u - 0.5);
 }
 
-double ResidualSpace::share(std::size_t s, std::size_t column) const {
-    const std::vector<double>& members = sorted_[column][s];
-    if (members.size() < kLeastMembers) return kNaN;
-    return std::accumulate(members.begin(), members.end(), 0.0) / static_cast<double>(members.size());
+/// Per stratum, the share of the reference's rows that passed.
+std::vector<double> ResidualSpace::shares(std::size_t column) const {
+    std::vector<double> shares;
+    for (const std::vector<double>& members : sorted_[column])
+        shares.push_back(members.size() < kLeastMembers ? kNaN
+                                                        : std::accumulate(members.begin(), members.end(), 0.0) /
+                                                              static_cast<double>(members.size()));
+    return shares;
 }
 
 /// Level of the target among the reference's rows that were in the most similar states: speed, height and vertical speed at the screen before or the start of
 /// the impact, and mass.
-double ResidualSpace::innovation(const ObservationTable& table, std::size_t row, const Residual& residual,
-                                 bool own) const {
+void ResidualSpace::innovations(const ObservationTable& table, const Residual& residual, bool own,
+                                RowsOfOne out) const {
+    out.setConstant(kNaN);
     const auto state = std::find_if(states_.begin(), states_.end(), [&](const ByState& s) {
         return s.screen == residual.other && s.target == residual.column;
     });
-    if (state == states_.end() || state->rows.size() < settings_.neighbours + 1) return kNaN;
-    const auto own_value = [&](const Column& c) {
+    if (state == states_.end() || state->rows.size() < settings_.neighbours + 1) return;
+    const auto values_of = [&](const Column& c) {
         const std::size_t k = table.find(c);
-        return k < table.columns.size() ? table.values[k][row] : kNaN;
+        return k < table.columns.size() ? &table.values[k] : nullptr;
     };
-    const double v = own_value(residual.other), value = own_value(residual.column);
-    if (!std::isfinite(v) || !std::isfinite(value)) return kNaN;
-    if (v < state->speed.front() || v > state->speed.back()) return kNaN;  // nothing like it was simulated
-    const std::size_t pool = std::min(kPoolShare * settings_.neighbours, state->rows.size());
-    const auto at =
-        static_cast<std::size_t>(std::lower_bound(state->speed.begin(), state->speed.end(), v) - state->speed.begin());
-    const std::size_t begin = std::min(at > pool / 2 ? at - pool / 2 : 0, state->rows.size() - pool);
-    const double spread = std::max(state->speed[begin + pool - 1] - state->speed[begin], 1e-9);
-    std::vector<double> distance(pool, 0.0);
-    const auto add = [&](const std::vector<double>& of_rows, double own_one, double unit) {
-        if (!std::isfinite(own_one)) return;
-        for (std::size_t k = 0; k < pool; ++k) distance[k] += std::abs(of_rows[begin + k] - own_one) / unit;
-    };
-    add(state->speed, v, spread);
-    add(state->mass, mass_of(table.block[row]), kMassUnit);
-    add(state->height, own_value({Quantity::Height, residual.other.place}), kHeightUnit);
-    add(state->rise, own_value({Quantity::Rise, residual.other.place}), spread);
-    if (own)
-        for (std::size_t k = 0; k < pool; ++k)
-            if (state->rows[begin + k] == row) distance[k] = kInfinity;
-    const double farthest = kth_smallest(distance, settings_.neighbours);
-    int below = 0, equal = 0, count = 0;
-    for (std::size_t k = 0; k < pool; ++k) {
-        const int near = distance[k] <= farthest;
-        const double other = state->value[begin + k];
-        count += near;
-        below += near & static_cast<int>(other < value);
-        equal += near & static_cast<int>(other == value);
+    const std::vector<double>*const speeds = values_of(residual.other), *const values = values_of(residual.column),
+                                    *const heights = values_of({Quantity::Height, residual.other.place}),
+                                    *const rises = values_of({Quantity::Rise, residual.other.place});
+    if (speeds == nullptr || values == nullptr) return;
+    const std::size_t tie_column = kMostColumns + reference_.find(residual.column),
+                      pool = std::min(kPoolShare * settings_.neighbours, state->rows.size());
+    std::vector<double> distance(pool);
+    std::vector<std::int32_t> classes(pool);
+    for (std::size_t row = 0; row < table.rows(); ++row) {
+        const double v = (*speeds)[row], value = (*values)[row];
+        if (!std::isfinite(v) || !std::isfinite(value)) continue;
+        if (v < state->speed.front() || v > state->speed.back()) continue;  // nothing like it was simulated
+        const auto at = static_cast<std::size_t>(std::lower_bound(state->speed.begin(), state->speed.end(), v) -
+                                                 state->speed.begin());
+        const std::size_t begin = std::min(at > pool / 2 ? at - pool / 2 : 0, state->rows.size() - pool);
+        const double spread = std::max(state->speed[begin + pool - 1] - state->speed[begin], 1e-9);
+        std::fill(distance.begin(), distance.end(), 0.0);
+        const auto add = [&](const std::vector<double>& of_rows, double own_one, double unit) {
+            if (!std::isfinite(own_one)) return;
+            const double per_unit = 1.0 / unit;
+            const double* const other = of_rows.data() + begin;
+            for (std::size_t k = 0; k < pool; ++k) distance[k] += std::abs(other[k] - own_one) * per_unit;
+        };
+        add(state->speed, v, spread);
+        add(state->mass, mass_of(table.block[row]), kMassUnit);
+        if (heights != nullptr) add(state->height, (*heights)[row], kHeightUnit);
+        if (rises != nullptr) add(state->rise, (*rises)[row], spread);
+        for (std::size_t k = at; own && k < begin + pool && state->speed[k] == v; ++k)
+            if (state->rows[k] == row) distance[k - begin] = kInfinity;
+        const double farthest = kth_smallest(distance, settings_.neighbours, classes);
+        const double* const others = state->value.data() + begin;
+        std::int64_t below = 0, equal = 0, count = 0;  // as wide as what is compared
+        for (std::size_t k = 0; k < pool; ++k) {
+            const std::int64_t near = distance[k] <= farthest ? 1 : 0;
+            count += near;
+            below += near & (others[k] < value ? 1 : 0);
+            equal += near & (others[k] == value ? 1 : 0);
+        }
+        const double tie = tie_breaker(settings_.seed, row, tie_column);
+        const double u =
+            (static_cast<double>(below) + tie * static_cast<double>(1 + equal)) / static_cast<double>(count + 1);
+        out[static_cast<Eigen::Index>(row)] = kLevel * (u - 0.5);
     }
-    const double tie = tie_breaker(settings_.seed, row, kMostColumns + reference_.find(residual.column));
-    const double u = (below + tie * (1 + equal)) / (count + 1);
-    return kLevel * (u - 0.5);
 }
 
-double ResidualSpace::window(const ObservationTable& table, std::size_t row, const Residual& residual, bool own) const {
+/// Inside the window or not, less the share of the reference's rows that are.
+void ResidualSpace::windows(const ObservationTable& table, const Residual& residual, bool own, RowsOfOne out) const {
     const std::size_t column = reference_.find(residual.column);
-    const double v = table.values[column][row];
-    const std::size_t s = stratum(table.block[row]);
-    if (!std::isfinite(v) || s >= sorted_[column].size()) return kNaN;
-    const std::vector<double>& members = sorted_[column][s];
-    if (members.size() < kLeastMembers) return kNaN;
-    const bool inside = v >= residual.from && v < residual.to;
-    double count = static_cast<double>(std::lower_bound(members.begin(), members.end(), residual.to) -
-                                       std::lower_bound(members.begin(), members.end(), residual.from));
-    double total = static_cast<double>(members.size());
-    if (own) {
-        count -= inside ? 1.0 : 0.0;
-        total -= 1.0;
+    std::vector<double> inside;  // per stratum
+    for (const std::vector<double>& members : sorted_[column])
+        inside.push_back(static_cast<double>(std::lower_bound(members.begin(), members.end(), residual.to) -
+                                             std::lower_bound(members.begin(), members.end(), residual.from)));
+    for (std::size_t row = 0; row < table.rows(); ++row) {
+        const double v = table.values[column][row];
+        const std::size_t s = stratum(table.block[row]);
+        double& of_row = out[static_cast<Eigen::Index>(row)];
+        of_row = kNaN;
+        if (!std::isfinite(v) || s >= inside.size() || sorted_[column][s].size() < kLeastMembers) continue;
+        const double is_inside = v >= residual.from && v < residual.to ? 1.0 : 0.0, itself = own ? 1.0 : 0.0;
+        of_row =
+            is_inside - (inside[s] - itself * is_inside) / (static_cast<double>(sorted_[column][s].size()) - itself);
     }
-    return (inside ? 1.0 : 0.0) - count / total;
 }
 
 ResidualRows ResidualSpace::raw(const ObservationTable& table, bool own) const {
-    ResidualRows rows(static_cast<Eigen::Index>(table.rows()), static_cast<Eigen::Index>(residuals_.size()));
-    const std::size_t columns = table.columns.size();
-    std::vector<double> levels(columns);
-    for (std::size_t row = 0; row < table.rows(); ++row) {
-        for (std::size_t k = 0; k < columns; ++k)
-            levels[k] = is_level(table.columns[k].quantity) ? level(table, row, k, own) : kNaN;
-        for (std::size_t r = 0; r < residuals_.size(); ++r) {
-            const Residual& residual = residuals_[r];
-            const std::size_t column = table.find(residual.column);
-            double& out = rows(static_cast<Eigen::Index>(row), static_cast<Eigen::Index>(r));
-            switch (residual.kind) {
-                case ResidualKind::Passed: {
+    const auto rows = static_cast<Eigen::Index>(table.rows());
+    Eigen::MatrixXd levels(rows, static_cast<Eigen::Index>(table.columns.size()));
+    for (std::size_t k = 0; k < table.columns.size(); ++k)
+        for (std::size_t row = 0; row < table.rows(); ++row)
+            levels(static_cast<Eigen::Index>(row), static_cast<Eigen::Index>(k)) =
+                is_level(table.columns[k].quantity) ? level(table, row, k, own) : kNaN;
+    const auto of_blocks = [&](const std::vector<double>& of_block) {
+        Eigen::ArrayXd values(rows);
+        for (std::size_t row = 0; row < table.rows(); ++row)
+            values[static_cast<Eigen::Index>(row)] = covariate(of_block, table.block[row]);
+        return values;
+    };
+    const Eigen::ArrayXd log_mass = of_blocks(log_mass_), log_shape = of_blocks(log_shape_), order = of_blocks(order_);
+    ResidualRows all(rows, static_cast<Eigen::Index>(residuals_.size()));
+    for (std::size_t r = 0; r < residuals_.size(); ++r) {
+        const Residual& residual = residuals_[r];
+        const std::size_t column = table.find(residual.column);
+        const auto level_of = [&](std::size_t k) { return levels.col(static_cast<Eigen::Index>(k)).array(); };
+        auto out = all.col(static_cast<Eigen::Index>(r));
+        switch (residual.kind) {
+            case ResidualKind::Passed: {
+                const std::vector<double> expected = shares(column);
+                for (std::size_t row = 0; row < table.rows(); ++row) {
                     const std::size_t s = stratum(table.block[row]);
-                    const double expected = s < sorted_[column].size() ? share(s, column) : kNaN;
-                    out = (table.values[column][row] - expected) / kPassedScale;
-                    break;
+                    out[static_cast<Eigen::Index>(row)] =
+                        (table.values[column][row] - (s < expected.size() ? expected[s] : kNaN)) / kPassedScale;
                 }
-                case ResidualKind::Level:
-                    out = levels[column];
-                    break;
-                case ResidualKind::Spread: {
-                    const double centred = levels[column] / kLevel;
-                    out = kSpread * (centred * centred - 1.0 / 12.0);
-                    break;
-                }
-                case ResidualKind::MassTrend:
-                    out = levels[column] * covariate(log_mass_, table.block[row]);
-                    break;
-                case ResidualKind::ShapeTrend:
-                    out = levels[column] * covariate(log_shape_, table.block[row]);
-                    break;
-                case ResidualKind::OrderTrend:
-                    out = levels[column] * covariate(order_, table.block[row]);
-                    break;
-                case ResidualKind::Together:
-                    out = levels[column] * levels[table.find(residual.other)];
-                    break;
-                case ResidualKind::Innovation:
-                    out = innovation(table, row, residual, own);
-                    break;
-                case ResidualKind::Window:
-                    out = window(table, row, residual, own) / kWindowScale;
-                    break;
+                break;
             }
+            case ResidualKind::Level:
+                out = level_of(column);
+                break;
+            case ResidualKind::Spread:
+                out = kSpread * ((level_of(column) / kLevel).square() - 1.0 / 12.0);
+                break;
+            case ResidualKind::MassTrend:
+                out = level_of(column) * log_mass;
+                break;
+            case ResidualKind::ShapeTrend:
+                out = level_of(column) * log_shape;
+                break;
+            case ResidualKind::OrderTrend:
+                out = level_of(column) * order;
+                break;
+            case ResidualKind::Together:
+                out = level_of(column) * level_of(table.find(residual.other));
+                break;
+            case ResidualKind::Innovation:
+                innovations(table, residual, own, out);
+                break;
+            case ResidualKind::Window:
+                windows(table, residual, own, out);
+                out /= kWindowScale;
+                break;
         }
     }
-    return rows;
+    return all;
 }
 
 namespace {

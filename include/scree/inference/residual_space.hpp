@@ -79,11 +79,12 @@ private:
     void add_state(const Column& screen, const Column& target);
     ResidualRows raw(const ObservationTable& table, bool own) const;
     double level(const ObservationTable& table, std::size_t row, std::size_t column, bool own) const;
-    double share(std::size_t row_block, std::size_t column) const;
+    std::vector<double> shares(std::size_t column) const;
     double covariate(const std::vector<double>& of_block, std::int32_t block) const;
     double mass_of(std::int32_t block) const;
-    double innovation(const ObservationTable& table, std::size_t row, const Residual& residual, bool own) const;
-    double window(const ObservationTable& table, std::size_t row, const Residual& residual, bool own) const;
+    using RowsOfOne = Eigen::Ref<Eigen::VectorXd, 0, Eigen::InnerStride<>>;
+    void innovations(const ObservationTable& table, const Residual& residual, bool own, RowsOfOne out) const;
+    void windows(const ObservationTable& table, const Residual& residual, bool own, RowsOfOne out) const;
     std::size_t stratum(std::int32_t block) const;
 
     /// Simulated rows that passed a screen, by their speed there.
