@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "cli/diagnose_refits.hpp"
 
+#include "cli/diagnose_words.hpp"
+
 #include <algorithm>
 #include <cmath>
 #include <string>
@@ -12,6 +14,16 @@ constexpr double kFarBeyond = 2.0;
 
 bool is_far_beyond(const CompareStudy& study) {
     return study.overall.gap > kFarBeyond * study.overall.chance.high;
+}
+
+/// A law as strong as is searched at all, within a standard deviation: nobody knows how strong it would have to be, and what stands in for something else ends there. (What acts in a place may hold
+/// all that comes, however much stronger it is.)
+static const AnsweredEffect* at_the_end_of_its_range(const AnswerFit& answer) {
+    for (const AnsweredEffect& e : answer.effects)
+        if (e.has_strength() && !e.variant.on && !e.candidate->measurement &&
+            e.finding.strength + e.finding.strength_deviation >= e.variant.most)
+            return &e;
+    return nullptr;
 }
 
 void judge_refits(DiagnoseStudy& study) {
@@ -26,6 +38,11 @@ void judge_refits(DiagnoseStudy& study) {
         return demote("with " + answers.front().name() +
                       ", which comes nearest, the model is still far beyond chance as a whole");
     std::stable_partition(answers.begin(), answers.end(), explains);
+    if (study.verdict == Verdict::Named)
+        if (const AnsweredEffect* const e = at_the_end_of_its_range(answers.front()))
+            return demote(e->candidate->name +
+                          ", which comes nearest, would have to be about as strong as is searched at all (" +
+                          most_searched(e->variant) + "), and may stand in for something else");
     if (study.baseline.result.folds.empty()) return;
     const double without = study.baseline.result.held_out.loss;
     const auto better = [&](const AnswerFit& a) {

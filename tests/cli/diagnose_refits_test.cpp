@@ -16,10 +16,11 @@ namespace {
 using testing::HasSubstr;
 using testing::IsEmpty;
 
-const DiagnosisCandidate& candidate(const std::string& name) {
+const DiagnosisCandidate& candidate(const std::string& name, bool measurement = false) {
     static std::vector<std::unique_ptr<DiagnosisCandidate>> all;
     all.push_back(std::make_unique<DiagnosisCandidate>());
     all.back()->name = name;
+    all.back()->measurement = measurement;
     return *all.back();
 }
 
@@ -87,6 +88,29 @@ TEST(DiagnoseRefits, TwoEffectsMustPredictThemBetterThanOneOfThem) {
             study.demoted,
             HasSubstr(verdict == Verdict::Unknown ? "ground_drag and soil_patch than with one of them alone" : ""));
     }
+}
+
+// Without rolling_size in the catalogue, rolling resistance that grows with size was named restitution_mass, exponent -0.79 +- 0.2, where -0.9 is the last one.
+TEST(DiagnoseRefits, WhatMustBeAsStrongAsIsSearchedHasNoName) {
+    AnswerFit fit = answer("restitution_mass", 1.0, 0.5);
+    fit.effects.front().variant.kind = EffectKind::RestitutionMass;
+    fit.effects.front().variant.parameter = "exponent";
+    fit.effects.front().variant.reference = -0.15;
+    fit.effects.front().variant.most = 6.0;
+    fit.effects.front().finding.strength = 5.3;
+    const auto judged = [&](double deviation, bool measurement, Verdict verdict) {
+        fit.effects.front().candidate = &candidate("restitution_mass", measurement);
+        fit.effects.front().finding.strength_deviation = deviation;
+        DiagnoseStudy study = study_of({fit});
+        study.verdict = verdict;
+        judge_refits(study);
+        return study;
+    };
+    const DiagnoseStudy at_end = judged(1.4, false, Verdict::Named);
+    EXPECT_EQ(at_end.verdict, Verdict::Unknown);
+    EXPECT_THAT(at_end.demoted, HasSubstr("as strong as is searched at all (exponent -0.9)"));
+    EXPECT_EQ(judged(0.3, false, Verdict::Named).verdict, Verdict::Named);
+    EXPECT_EQ(judged(1.4, true, Verdict::DataProblem).verdict, Verdict::DataProblem) << "all numbers may be mixed up";
 }
 
 TEST(DiagnoseRefits, WithoutFoldsTheGapDecides) {
