@@ -124,6 +124,7 @@ private:
                                   const Eigen::MatrixXd& together) const;
     void take_slopes();
     bool recentre();
+    static Fingerprint fingerprint_of(const ObservationTable& with, double strength, const ResidualSpace& model);
     std::optional<Fingerprint> take_fingerprint(const EffectDose& dose, std::int64_t repeats);
     bool take_fingerprints();
     bool visible(std::size_t fingerprint, const ScoreResult& score) const;
@@ -131,8 +132,9 @@ private:
     std::optional<std::vector<Fingerprint>> take_parts(std::size_t first_strip, const ScoreResult& score);
     bool look_closer(Diagnosis& d);
     struct Substitutes;
-    std::optional<double> expected_z(const EffectDose& dose, double enough, Substitutes& substitutes);
-    std::optional<double> strength_seen(std::size_t fingerprint, double promised, double enough,
+    std::optional<double> expected_z(std::size_t fingerprint, double strength, const GlobalTest& global,
+                                     Substitutes& substitutes);
+    std::optional<double> strength_seen(std::size_t fingerprint, double promised, const GlobalTest& global,
                                         Substitutes& substitutes);
     bool find_strengths_seen(Diagnosis& d);
     void judge(Diagnosis& d) const;

@@ -25,6 +25,11 @@ constexpr double kSurveyReach = 2.0;
 constexpr int kStrengths = 6;
 constexpr double kGrowth = 2.0, kCloseEnough = 1.5;
 
+/// z to expect of what four of five tests see [-].
+double enough_for(const GlobalTest& test) {
+    return test.z_limit + kFourOfFive;
+}
+
 }  // namespace
 
 /// Models without effect from all over the ranges: each may make up for any effect, so that all are held against all of them.
@@ -57,11 +62,17 @@ std::optional<Eigen::VectorXd> Diagnoser::Substitutes::best_for(const Observatio
     return d.from_ranges(search.best());
 }
 
-/// z to expect of an effect of this strength where the parameters make up for most of it; or any value less than `enough` if it is. A model without effect is held against simulations with it as a calibrated
+/// z to expect of a form at this strength where the parameters make up for most of it; or any value less than enough if it is. A model without effect is held against simulations with it as a calibrated
 /// one against measurements, in its own residual space and with the linear absorption of a score test: the model itself, where that absorption leads, the best of the substitutes, and where surveys lead from the best of these.
-std::optional<double> Diagnoser::expected_z(const EffectDose& dose, double enough, Substitutes& substitutes) {
+/// The test looks for what the catalogue does, as fingerprints of the base tell, and for any disagreement, by Q; where neither sees it, what this form does is taken anew from there.
+std::optional<double> Diagnoser::expected_z(std::size_t fingerprint, double strength, const GlobalTest& global,
+                                            Substitutes& substitutes) {
+    EffectDose dose = variants_[fingerprint];
+    dose.strength = strength;
     const auto with = simulate(kStage, base_.parameters, {dose}, settings_.repeats);
     if (!with) return std::nullopt;
+    dose.strength = taken_at_[fingerprint];
+    const double enough = enough_for(global);
 
     struct {
         double z = kInfinity;
@@ -70,25 +81,35 @@ std::optional<double> Diagnoser::expected_z(const EffectDose& dose, double enoug
     const auto hold_against = [&](const ResidualSpace& model, const Eigen::VectorXd& at,
                                   const Eigen::MatrixXd& derivatives) {
         const ResidualMean measured = mean_residual(model.of(measured_)), effect = mean_residual(model.of(*with));
-        if (!comparable(measured, base_.observed) || !simulates_enough(effect, with->rows(), measured)) return;
+        if (!comparable(measured, base_.observed) || !simulates_enough(effect, with->rows(), measured)) return true;
         const ResidualMean change{effect.mean - mean_residual(model.of_reference()).mean, measured.together};
         const double over =
             1.0 / static_cast<double>(with->rows()) + 1.0 / static_cast<double>(model.reference().rows());
-        const ScoreTest test(row_covariance(model), derivatives, deviation_, {{change.mean, 1.0 / over}});
+        std::vector<Fingerprint> fingerprints = base_.test->fingerprints();
+        fingerprints.push_back({change.mean, 1.0 / over, false});
+        const Eigen::MatrixXd covariance = row_covariance(model);
+        const ScoreTest test(covariance, derivatives, deviation_, std::move(fingerprints));
         const ScoreResult score = test(change);
-        if (score.visibility[0] < least.z) least = {score.visibility[0], at, score.shift};
+        double z =
+            std::max(test.largest_z(score), z_of_as_much_power(global, score.visibility[score.visibility.size() - 1]));
+        if (z < enough && at != base_.parameters) {
+            const auto weaker = simulate(kStage, at, {dose}, settings_.repeats);
+            if (!weaker) return false;
+            const Fingerprint anew = fingerprint_of(*weaker, dose.strength, model);
+            z = std::max(z, ScoreTest(covariance, derivatives, deviation_, {anew})(change).z[0]);
+        }
+        if (z < least.z) least = {z, at, score.shift};
+        return true;
     };
     const auto simulate_at = [&](const Eigen::VectorXd& at, const Eigen::MatrixXd& derivatives) {
         auto without = simulate(kStage, at, {}, settings_.repeats);
-        if (without)
-            hold_against(ResidualSpace(std::move(*without), measured_, problem_.blocks, settings_.residuals,
-                                       base_.space->residuals()),
-                         at, derivatives);
-        return without.has_value();
+        return without && hold_against(ResidualSpace(std::move(*without), measured_, problem_.blocks,
+                                                     settings_.residuals, base_.space->residuals()),
+                                       at, derivatives);
     };
     least.parameters = base_.parameters;
     least.shift = Eigen::VectorXd::Zero(base_.parameters.size());
-    hold_against(*base_.space, base_.parameters, base_.slopes.directions);
+    if (!hold_against(*base_.space, base_.parameters, base_.slopes.directions)) return std::nullopt;
     if (least.z < enough) return least.z;
     if (!simulate_at(within_ranges(base_.parameters + least.shift), base_.slopes.directions)) return std::nullopt;
     if (least.z < enough) return least.z;
@@ -115,28 +136,27 @@ std::optional<double> Diagnoser::expected_z(const EffectDose& dose, double enoug
 
 /// Of one form, the least strength of which so much z is to be expected, from what its derivatives promise upwards; told too large rather than too small, but for the reference, which is asked for where
 /// it lies between. Infinite: none that is allowed.
-std::optional<double> Diagnoser::strength_seen(std::size_t fingerprint, double promised, double enough,
+std::optional<double> Diagnoser::strength_seen(std::size_t fingerprint, double promised, const GlobalTest& global,
                                                Substitutes& substitutes) {
     const double most = std::min(most_of(fingerprint), settings_.power_up_to);
     double unseen = 0.0, seen = kInfinity;
-    EffectDose dose = variants_[fingerprint];
-    dose.strength = std::isfinite(settings_.power_up_to) ? most : promised;
+    double strength = std::isfinite(settings_.power_up_to) ? most : promised;
     for (int tried = 1; unseen < most && !(seen <= kCloseEnough * unseen); ++tried) {
-        const std::optional<double> z = expected_z(dose, enough, substitutes);
+        const std::optional<double> z = expected_z(fingerprint, strength, global, substitutes);
         if (!z) return std::nullopt;
-        (*z >= enough ? seen : unseen) = dose.strength;
+        (*z >= enough_for(global) ? seen : unseen) = strength;
         if (unseen == 0.0) break;
         const double next = std::isfinite(seen)       ? std::sqrt(unseen * seen)
                             : tried + 1 == kStrengths ? most
                                                       : std::min(kGrowth * unseen, most);
-        dose.strength = unseen < 1.0 && std::min(next, seen) > 1.0 ? 1.0 : next;
+        strength = unseen < 1.0 && std::min(next, seen) > 1.0 ? 1.0 : next;
     }
     return seen;
 }
 
 /// Where nothing is missing, or nothing was measured yet: derivatives tell too much of what parameters make up for far from where they are.
 bool Diagnoser::find_strengths_seen(Diagnosis& d) {
-    const double enough = d.test.z_limit + kFourOfFive;
+    const double enough = enough_for(d.test);
     const Eigen::Index count = base_.parameters.size();
     if (!std::isfinite(enough)) return true;
     const RandomStream random(settings_.seed, next_seed_++, RandomPurpose::Diagnosis);
@@ -157,7 +177,7 @@ bool Diagnoser::find_strengths_seen(Diagnosis& d) {
         for (const auto& [promised, k] : forms) {
             if (!(promised < f.smallest_seen)) break;
             const std::optional<double> seen =
-                substitutes ? strength_seen(k, promised, enough, *substitutes) : promised;
+                substitutes ? strength_seen(k, promised, d.test, *substitutes) : promised;
             if (!seen) return false;
             if (!(*seen < f.smallest_seen)) continue;
             f.smallest_seen = *seen;

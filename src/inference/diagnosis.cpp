@@ -180,12 +180,15 @@ bool Diagnoser::recentre() {
     return true;
 }
 
-/// In units of the reference strength, whatever strength it is simulated at.
+/// In units of the reference strength, whatever strength was simulated.
+Fingerprint Diagnoser::fingerprint_of(const ObservationTable& with, double strength, const ResidualSpace& model) {
+    return {mean_residual(model.of(with)).mean / strength, static_cast<double>(with.rows()) * strength * strength};
+}
+
 std::optional<Fingerprint> Diagnoser::take_fingerprint(const EffectDose& dose, std::int64_t repeats) {
     const auto table = simulate("fingerprints", base_.parameters, {dose}, repeats);
     if (!table) return std::nullopt;
-    return Fingerprint{mean_residual(base_.space->of(*table)).mean / dose.strength,
-                       static_cast<double>(table->rows()) * dose.strength * dose.strength};
+    return fingerprint_of(*table, dose.strength, *base_.space);
 }
 
 /// Every effect is looked at where it would stand out clearly but not by far: weaker, the noise of the simulation hides what it does; stronger, what it does is not

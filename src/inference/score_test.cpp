@@ -242,6 +242,12 @@ double share_at_least(const std::vector<double>& sorted, double value) {
 
 }  // namespace
 
+double z_of_as_much_power(const GlobalTest& test, double visibility) {
+    const double squared = visibility * visibility;
+    return test.z_limit +
+           (test.q_mean + squared - test.q_limit) / std::sqrt(test.q_deviation * test.q_deviation + 4.0 * squared);
+}
+
 GlobalTest global_test(const ScoreTest& test, const ScoreResult& measured, const NullRows& null, std::int64_t draws,
                        double level, std::uint64_t seed) {
     std::vector<double> q, z, largest;
@@ -271,6 +277,10 @@ GlobalTest global_test(const ScoreTest& test, const ScoreResult& measured, const
                               : sorted[std::min(sorted.size() - 1, static_cast<std::size_t>(std::max(share, 0.0) * n))];
     };
     g.z_limit = any ? at(sorted_z, 1.0 - at(smaller, level)) : kInfinity;
+    g.q_limit = at(sorted_q, 1.0 - at(smaller, level));
+    const Eigen::Map<const Eigen::ArrayXd> by_chance(q.data(), static_cast<Eigen::Index>(q.size()));
+    g.q_mean = by_chance.mean();
+    g.q_deviation = std::sqrt((by_chance - g.q_mean).square().mean());
     g.residual_limit = at(largest, 1.0 - level);
     g.residual_p.resize(measured.standardised.size());
     for (Eigen::Index k = 0; k < g.residual_p.size(); ++k)

@@ -67,6 +67,8 @@ TEST(Diagnose, FullTakesThreeTimesTheSimulations) {
                                       "--set",
                                       "diagnosis.further=false",
                                       "--set",
+                                      "diagnosis.power_search=0",
+                                      "--set",
                                       nothing_but({"ground_drag", "ids_shuffled"})};
         if (*full) args.emplace_back(full);
         EXPECT_EQ(diagnose(folder / name, args).code, 0);

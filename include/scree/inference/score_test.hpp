@@ -113,10 +113,15 @@ struct GlobalTest {
     double p_q = 1.0;       ///< of Q: any disagreement [-]
     double p_z = 1.0;       ///< of the largest z: one that an effect explains [-]
     double z_limit = kNaN;  ///< largest z that rejects at `level` whatever Q is; infinite if nothing is judged [-]
+    double q_limit = kNaN;  ///< Q that rejects whatever z is [-]
+    double q_mean = kNaN, q_deviation = kNaN;  ///< of Q by chance [-]
     Eigen::VectorXd
         residual_p;  ///< of each standardised residual, corrected for the number of them (max-T: Westfall & Young 1993) [-]
     double residual_limit = kNaN;  ///< largest standardised residual that chance exceeds in `level` of the cases [-]
 };
+/// Of a change whose visibility is d, Q has the mean q_mean + d^2 and about the variance q_deviation^2 + 4 d^2 (of a noncentral chi-squared variable): the expected
+/// z by which the largest z would reject as often, by its normal approximation [-].
+double z_of_as_much_power(const GlobalTest& test, double visibility);
 GlobalTest global_test(const ScoreTest& test, const ScoreResult& measured, const NullRows& null, std::int64_t draws,
                        double level, std::uint64_t seed);
 
