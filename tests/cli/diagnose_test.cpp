@@ -341,7 +341,7 @@ TEST(Diagnose, TwoEffectsAreBothNamed) {
     quarry_field_test_with(folder, "kind = \"ground_drag\"\ncoefficient = 3.0\n", 16);
     const fs::path out = folder / "out", observed = with_speeds(folder / "field", folder / "obs", 1.4);
     const Outcome run = diagnose(out,
-                                 {"--observed", observed.string(), "--set", "diagnosis.wide_search=40", "--set",
+                                 {"--observed", observed.string(), "--set", "diagnosis.wide_search=20", "--set",
                                   nothing_but({"ground_drag", "speed_error"})},
                                  kFreeRestitution);
     ASSERT_EQ(run.code, 0) << run.err;
