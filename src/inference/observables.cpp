@@ -13,6 +13,8 @@ namespace {
 
 constexpr std::array<const char*, kKinematics> kKinematicNames{"speed", "height", "spin", "energy", "rise"};
 constexpr std::array<const char*, kKinematics> kKinematicUnits{"m/s", "m", "rad/s", "J", "m/s"};
+/// Standard errors by which the share that did not pass may be wrong where some that passed have no value [-].
+constexpr double kNegligible = 0.25;
 
 bool is_kinematic(const Column& c) {
     return c.quantity >= Quantity::Speed && c.quantity <= Quantity::Rise;
@@ -26,6 +28,13 @@ double cell(const ObservationTable& table, std::size_t row, const Column& column
     if (!matched || !is_kinematic(column) || std::isfinite(value)) return value;
     const std::size_t passed = table.find({Quantity::Passed, column.place});
     return passed < table.columns.size() && table.values[passed][row] == 0.0 ? 0.0 : kNaN;
+}
+
+/// Whether blocks that did not pass can count as motion 0 beside those that did and were measured: values that are missing are all of blocks that passed, so that too many others would be left.
+bool zeros_count(std::int64_t blocks, std::int64_t passed, std::int64_t measured) {
+    const auto all = static_cast<double>(blocks), missed = static_cast<double>(blocks - passed);
+    const double share = missed / all, left = missed / std::max(missed + static_cast<double>(measured), 1.0);
+    return left - share <= kNegligible * std::sqrt(share * (1.0 - share) / all);
 }
 
 void add_stops(std::vector<Observable>& list, const Observations& observations, const ObservationOperator& op) {
@@ -62,26 +71,30 @@ void add_screen(std::vector<Observable>& list, const Observations& observations,
                 std::int32_t screen, bool impact) {
     std::int64_t passed = 0;
     bool matched = observations.matched;
-    std::array<bool, kKinematics> measured{};
+    std::array<std::int64_t, kKinematics> measured{};
     for (const ObservedCrossing& c : observations.crossings) {
         if (c.screen != screen) continue;
         ++passed;
         matched = matched && c.block >= 0;
-        for (std::size_t k = 0; k < kKinematics; ++k) measured[k] = measured[k] || std::isfinite(c.value[k]);
+        for (std::size_t k = 0; k < kKinematics; ++k) measured[k] += std::isfinite(c.value[k]);
     }
     if (passed == 0) return;
-    const bool any = std::find(measured.begin(), measured.end(), true) != measured.end();
-    Observable passing{"passing " + name, "-", {{Quantity::Passed, screen}}, true, matched, !(matched && any), {}};
+    std::array<bool, kKinematics> of_blocks{};  // else of those that passed
+    for (std::size_t k = 0; k < kKinematics; ++k)
+        of_blocks[k] =
+            matched && measured[k] > 0 && (impact || zeros_count(std::ssize(observations.blocks), passed, measured[k]));
+    const bool told = std::find(of_blocks.begin(), of_blocks.end(), true) != of_blocks.end();
+    Observable passing{"passing " + name, "-", {{Quantity::Passed, screen}}, true, matched, !told, {}};
     if (!matched) passing.counts.push_back({0, 0, passed, observations.thrown});
     if (!impact && (matched || observations.thrown > 0)) list.push_back(passing);
     for (std::size_t k = 0; k < kKinematics; ++k) {
-        if (!measured[k]) continue;
-        const bool twice = quantity_of(k) == Quantity::Energy && measured[0];  // the speed says it already
+        if (measured[k] == 0) continue;
+        const bool twice = quantity_of(k) == Quantity::Energy && measured[0] > 0;  // the speed says it already
         list.push_back({std::string(kKinematicNames[k]) + " at " + name,
                         kKinematicUnits[k],
                         {{quantity_of(k), screen}},
                         false,
-                        matched,
+                        of_blocks[k],
                         !twice && !impact,  // of which not every block has one
                         {}});
     }

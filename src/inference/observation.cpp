@@ -192,13 +192,14 @@ private:
 
 constexpr auto kRise = static_cast<std::size_t>(Kinematic::Rise);
 
-/// Adds normal errors to what the screen would have seen, but for the rise. Speeds and the like stay positive; the numbers drawn do not depend on the values.
+/// Adds normal errors to what the screen would have seen, but for the rise. Speeds and the like stay positive, heights of blocks that roll need not; the numbers drawn do not depend on the values.
 KinematicValues seen_at_screen(const KinematicValues& exact, const ErrorModel& errors, std::int32_t block,
                                std::size_t screen, RandomStream& random) {
     KinematicValues seen{};
     for (std::size_t k = 0; k < kRise; ++k) {
         const double error = errors.of_crossing(block, screen, k, random);
-        seen[k] = std::max(0.0, exact[k] + error * random.normal());
+        seen[k] = exact[k] + error * random.normal();
+        if (quantity_of(k) != Quantity::Height) seen[k] = std::max(0.0, seen[k]);
     }
     return seen;
 }

@@ -30,8 +30,10 @@ bool is_course(Quantity q) {
     return q == Quantity::Along || q == Quantity::Speed;
 }
 
-bool is_level(Quantity q) {
-    return q != Quantity::Passed && q != Quantity::InZone && q != Quantity::Energy && q != Quantity::Runout;
+/// The speed says what the energy would.
+bool is_level(const Column& c, const ObservationTable& table) {
+    if (c.quantity == Quantity::Energy) return table.find({Quantity::Speed, c.place}) == table.columns.size();
+    return c.quantity != Quantity::Passed && c.quantity != Quantity::InZone && c.quantity != Quantity::Runout;
 }
 
 /// Logarithms, orders: zero mean and unit variance over the blocks of the test; empty where they do not vary.
@@ -146,7 +148,7 @@ void ResidualSpace::choose(const ObservationTable& measured, const ResidualSetti
     for (const Column& c : measured.columns) {
         if (c.quantity == Quantity::Passed || (zones && c.quantity == Quantity::InZone))
             wanted.push_back({ResidualKind::Passed, c, {}, kNaN, kNaN});
-        if (is_level(c.quantity)) levels.push_back(c);
+        if (is_level(c, measured)) levels.push_back(c);
         if (c.quantity == Quantity::Speed) (of_impact(c) ? impacts : screens).push_back(c);
     }
     for (const Column& c : levels) {
@@ -357,7 +359,7 @@ ResidualRows ResidualSpace::raw(const ObservationTable& table, bool own) const {
     for (std::size_t k = 0; k < table.columns.size(); ++k)
         for (std::size_t row = 0; row < table.rows(); ++row)
             levels(static_cast<Eigen::Index>(row), static_cast<Eigen::Index>(k)) =
-                is_level(table.columns[k].quantity) ? level(table, row, k, own) : kNaN;
+                is_level(table.columns[k], table) ? level(table, row, k, own) : kNaN;
     const auto of_blocks = [&](const std::vector<double>& of_block) {
         Eigen::ArrayXd values(rows);
         for (std::size_t row = 0; row < table.rows(); ++row)

@@ -333,7 +333,7 @@ TEST(SimulatedTable, TakesTheFirstPartOfAScreenThatABlockMeets) {
 }
 
 TEST(SimulatedTable, AddsTheStatedErrorsAndNothingElse) {
-    // errors of 2 m and 0.7 m/s on 4000 blocks: means and deviations within 5 standard errors
+    // errors of 2 m, 0.7 m/s and, of heights of 0.5 m, 1 m on 4000 blocks: means and deviations within 5 standard errors
     constexpr std::size_t n = 4000;
     CampaignResult campaign;
     for (std::size_t k = 0; k < n; ++k) {
@@ -344,7 +344,7 @@ TEST(SimulatedTable, AddsTheStatedErrorsAndNothingElse) {
         Observations o = test_observations();
         o.matched = matched;
         for (ObservedStop& s : o.stops) s.error = 2.0;
-        o.crossings[0].error = {0.7, 0.0, 0.0, 0.0, 0.0};
+        o.crossings[0].error = {0.7, 1.0, 0.0, 0.0, 0.0};
         const ObservationTable t = simulated_table(campaign, o, test_operator(), 3);
         const auto deviation = [&](const Column& column, double centre) {
             double sum = 0.0, squares = 0.0;
@@ -356,7 +356,11 @@ TEST(SimulatedTable, AddsTheStatedErrorsAndNothingElse) {
         EXPECT_NEAR(deviation({Quantity::Along, -1}, 60.0), 2.0, 5.0 * 2.0 / std::sqrt(2.0 * n));
         EXPECT_NEAR(deviation({Quantity::Lateral, -1}, 0.0), 2.0, 5.0 * 2.0 / std::sqrt(2.0 * n));
         EXPECT_NEAR(deviation({Quantity::Speed, 0}, 10.0), 0.7, 5.0 * 0.7 / std::sqrt(2.0 * n));
-        EXPECT_EQ(deviation({Quantity::Height, 0}, 0.5), 0.0) << "no error is stated for it";
+        EXPECT_NEAR(deviation({Quantity::Height, 0}, 0.5), 1.0, 5.0 / std::sqrt(2.0 * n)) << "below the ground, too";
+        o.crossings[0].value[1] = kNaN;
+        o.crossings[0].error = {};
+        const ObservationTable exact = simulated_table(campaign, o, test_operator(), 3);
+        for (std::size_t k = 0; k < n; ++k) EXPECT_EQ(cell(exact, {Quantity::Speed, 0}, k), 10.0) << "no error stated";
     }
 }
 
@@ -416,6 +420,39 @@ TEST(Observables, AreWhatWasMeasured) {
     o.crossings.clear();
     o.shares = {{1, 0, 20, 50}};
     EXPECT_EQ(names(), "deposit zones*~; ");
+}
+
+// Whoever lacks a value has passed: with zeros for those that did not, too many of these would be left.
+TEST(Observables, WhereManyThatPassedWereNotMeasuredAreOfThoseThatPassed) {
+    const auto names = [](std::int32_t blocks, std::int32_t passed, std::int32_t missing) {
+        Observations o = test_observations();
+        o.stops.clear();
+        o.blocks.resize(static_cast<std::size_t>(blocks));
+        o.crossings.assign(static_cast<std::size_t>(passed), {});
+        for (std::int32_t k = 0; k < passed; ++k) {
+            o.crossings[static_cast<std::size_t>(k)].block = k;
+            if (k >= missing) o.crossings[static_cast<std::size_t>(k)].value[0] = 5.0;
+        }
+        std::string text;
+        for (const Observable& observable : make_observables(o, test_operator()))
+            text += observable.name + (observable.overall ? "*" : "") + (observable.matched ? "" : "~") + "; ";
+        return text;
+    };
+    EXPECT_EQ(names(50, 40, 0), "passing upper; speed at upper*; ");
+    EXPECT_EQ(names(50, 40, 3), "passing upper; speed at upper*; ") << "three more or less are no news of fifty";
+    EXPECT_EQ(names(50, 40, 4), "passing upper*; speed at upper*~; ");
+    EXPECT_EQ(names(50, 40, 20), "passing upper*; speed at upper*~; ");
+    EXPECT_EQ(names(5000, 4000, 100), "passing upper*; speed at upper*~; ");
+    EXPECT_EQ(names(50, 50, 20), "passing upper; speed at upper*; ") << "nobody has no motion";
+}
+
+TEST(ObservedBlock, IsKnownByAllItsLengths) {
+    for (std::size_t k = 0; k < 3; ++k) {
+        ObservedBlock block{"a", 100.0, {1.2, 0.9, 0.6}, {kNaN, kNaN}};
+        EXPECT_TRUE(block.has_body());
+        block.size[static_cast<Eigen::Index>(k)] = kNaN;
+        EXPECT_FALSE(block.has_body()) << k;
+    }
 }
 
 TEST(Observables, OfAModelOfOneProfileHaveNothingBeside) {

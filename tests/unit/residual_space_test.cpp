@@ -5,6 +5,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <string>
 #include <vector>
@@ -44,6 +45,29 @@ TEST(ResidualSpace, ZonesAddNothingToStopsThatWereMeasured) {
     const ResidualSpace space(with_stops(pool(300, 400, 1000)), with_stops(pool(20, 16, 40)), {}, {});
     ASSERT_FALSE(space.residuals().empty());
     for (const Residual& r : space.residuals()) EXPECT_EQ(r.column, kAlong);
+}
+
+// A radar may tell energies alone; beside speeds they say nothing new.
+TEST(ResidualSpace, EnergiesCountWhereNoSpeedsWereMeasured) {
+    const auto table = [](std::size_t rows, bool speeds) {
+        ObservationTable t{{{Quantity::Passed, 0}, {Quantity::Energy, 0}}, {{}, {}}, {}};
+        t.block.assign(rows, -1);
+        t.values[0].assign(rows, 1.0);
+        for (std::size_t k = 0; k < rows; ++k) t.values[1].push_back(static_cast<double>(k % 37));
+        if (speeds) {
+            t.columns.push_back({Quantity::Speed, 0});
+            t.values.push_back(t.values[1]);
+        }
+        return t;
+    };
+    const auto of_energy = [&](bool speeds) {
+        const ResidualSpace space(table(1000, speeds), table(40, speeds), {}, {});
+        return std::count_if(space.residuals().begin(), space.residuals().end(), [](const Residual& r) {
+            return r.column == Column{Quantity::Energy, 0};
+        });
+    };
+    EXPECT_EQ(of_energy(false), 2) << "level and spread";
+    EXPECT_EQ(of_energy(true), 0);
 }
 
 // Who is fast at the first screen is fast at the second: that the first level says already. The innovation asks what happened on the way in between.

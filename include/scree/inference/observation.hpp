@@ -23,7 +23,7 @@ struct ObservedBlock {
     Vec3 size = Vec3::Constant(kNaN);     ///< L1, L2, L3 [m]
     Vec2 release = Vec2::Constant(kNaN);  ///< where it was let go, plan view [m]
     double order = kNaN;                  ///< place in the order of the test; unknown unless somebody wrote it down [-]
-    bool has_body() const { return mass > 0.0 && size.minCoeff() > 0.0; }
+    bool has_body() const { return mass > 0.0 && (size.array() > 0.0).all(); }
 };
 
 /// Where a block was found.
