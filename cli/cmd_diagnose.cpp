@@ -213,6 +213,16 @@ void require_enough_blocks(const Context& context, const ObservedSite& observed)
                                      "what a larger test would show"));
 }
 
+/// Every name is held against a model that was calibrated.
+void require_something_to_fit(const Context& context, const ObservedSite& observed) {
+    const std::vector<Observable> all = make_observables(observed.observations, observed.op);
+    if (std::any_of(all.begin(), all.end(), [](const Observable& o) { return o.overall; }) || observed.has_errors())
+        return;
+    throw InputError((context.plan ? std::string("--instruments") : context.observed) +
+                     ": films of impacts alone are nothing that a model could be calibrated by: a diagnosis needs "
+                     "stops, crossings of screens or shares as well");
+}
+
 /// The smallest p that so many samples can show is one of them and the measurements themselves.
 void require_enough_draws(const SiteFile& site, const DiagnosisSettings& settings) {
     const auto least = static_cast<std::int64_t>(std::ceil(1.0 / settings.level - 1e-9)) - 1;
@@ -259,6 +269,7 @@ ExitCode run_diagnose(const Context& context) {
         if (f.severity == Severity::Warning) suspicious.push_back(f.sentence);
     print_warnings(context, suspicious);
     require_enough_blocks(context, observed);
+    require_something_to_fit(context, observed);
     study.inputs = input_lines(model, observed);
     study.distances = observed.axis_text;
     fs::path journal = folder;
@@ -285,8 +296,11 @@ ExitCode run_diagnose(const Context& context) {
     context.plan ? plan_study(input, study) : run_study(input, study);
     progress.finish();
     if (study.interrupted) {
-        *context.err << "interrupted: what was simulated is kept in " << journal.string()
-                     << ", and --resume goes on from there\n";
+        if (fs::exists(journal))
+            *context.err << "interrupted: what was simulated is kept in " << journal.string()
+                         << ", and --resume goes on from there\n";
+        else
+            *context.err << "interrupted before a simulation was done: there is nothing to go on with\n";
         return ExitCode::Interrupted;
     }
     gis::write_results(folder, results_of(study, model, observed, folder), context.overwrite);

@@ -32,7 +32,7 @@ Json finding_json(const DiagnoseStudy& study, const EffectFinding& f) {
     if (!v.space) json["searched_up_to"] = v.value(v.most);
     if (std::isnan(f.smallest_seen)) {  // something is missing: not told
     } else if (std::isfinite(f.smallest_seen)) {
-        const DiagnosisVariant seen = study.catalogue.variant(f.effect, f.seen_variant, f.seen_on);
+        const DiagnosisVariant seen = study.seen_variant_of(f);
         json["smallest_seen"] = {{"form", seen.form()},
                                  {"label", seen.label},
                                  {"parameter", seen.parameter},

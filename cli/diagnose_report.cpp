@@ -56,12 +56,13 @@ void print_answers(std::ostream& out, const DiagnoseStudy& study) {
         << padded("gap over all (95 % of chance)", kOverAll) << "  weight\n";
     out << padded("calibrated model", 34) << padded(gap_number(study.baseline.result.best_fit.gap()), kFitted)
         << padded(held_out_text(study.baseline), kHeldOut) << over_all(study.before) << "  "
-        << weight_text(study.diagnosis.weight_none) << "\n";
+        << (study.diagnosis.together ? "" : weight_text(study.diagnosis.weight_none)) << "\n";
     for (const AnswerFit& a : study.answers)
         out << padded("with " + a.name(), 34) << padded(gap_number(a.model.result.best_fit.gap()), kFitted)
             << padded(held_out_text(a.model), kHeldOut) << over_all(a.study) << "  " << weight_text(a.weight()) << "\n";
-    out << padded("something without a name", 34) << std::string(kFitted + kHeldOut + kOverAll + 2, ' ')
-        << weight_text(study.diagnosis.weight_unnamed) << "\n";
+    if (!study.diagnosis.together)  // a pair is weighed beside each of its effects, not beside these
+        out << padded("something without a name", 34) << std::string(kFitted + kHeldOut + kOverAll + 2, ' ')
+            << weight_text(study.diagnosis.weight_unnamed) << "\n";
     for (const AnswerFit& a : study.answers) {
         for (const AnsweredEffect& e : a.effects)
             out << "  " << variant_name(e.variant) << ": " << strength_text(e) << "\n";

@@ -106,9 +106,11 @@ public:
     /// False: stopped.
     bool run(std::vector<ScreenInnovation>& all) {
         const auto crossings = simulated_crossings(observed_.op, campaign_);
-        std::vector<std::int32_t> passed;  // by anybody
+        std::vector<std::int32_t> passed;  // by anybody, of those that measured
         for (std::size_t k = 0; k < crossings.size(); ++k)
-            if (!crossings[k].empty()) passed.push_back(static_cast<std::int32_t>(k));
+            if (const auto screen = static_cast<std::int32_t>(k);
+                !crossings[k].empty() && measured_.find({Quantity::Passed, screen}) < measured_.columns.size())
+                passed.push_back(screen);
         for (std::size_t k = 0; k < passed.size(); ++k)
             if (!restart(passed[k], crossings[static_cast<std::size_t>(passed[k])],
                          k + 1 < passed.size() ? passed[k + 1] : -1, all))

@@ -371,6 +371,23 @@ CalibrationPoint DiagnoseStudy::tested_point() const {
     return point;
 }
 
+/// What a strength stands for is a share of what the ground has there, if it stands for something of the ground.
+static DiagnosisVariant on_ground_at(const DiagnoseStudy& study, const CalibrationPoint& point,
+                                     const DiagnosisVariant& v) {
+    return std::isnan(v.start) ? v : v.on_ground(with_changes(study.site, study.keys.changes(point)).settings.soils);
+}
+
+DiagnosisVariant DiagnoseStudy::variant_of(const EffectFinding& f) const {
+    CalibrationPoint point = tested_point();
+    for (std::size_t k = 0; f.finalist && k < f.parameters.size(); ++k)
+        point.values[k] = from_unit(keys.problem.parameters[k], f.parameters[k]);
+    return on_ground_at(*this, point, catalogue.variant(f.effect, f.variant, f.on));
+}
+
+DiagnosisVariant DiagnoseStudy::seen_variant_of(const EffectFinding& f) const {
+    return on_ground_at(*this, tested_point(), catalogue.variant(f.effect, f.seen_variant, f.seen_on));
+}
+
 CalibrationPoint DiagnoseStudy::asked_point() const {
     CalibrationPoint point = tested_point();
     for (std::size_t k = 0; k < diagnosis.parameters.size(); ++k)

@@ -122,7 +122,10 @@ struct DiagnoseStudy {
     /// way, the ones that leave the least over all: told where no answer stands.
     const CalibrationPoint& told_point() const { return moved ? moved->point : baseline.point; }
     const CompareStudy& told() const { return moved ? moved->study : before; }
-    DiagnosisVariant variant_of(const EffectFinding& f) const { return catalogue.variant(f.effect, f.variant, f.on); }
+    /// The form and place of a finding, on the ground of the model that was tested, or of the parameters that a finalist was followed to.
+    DiagnosisVariant variant_of(const EffectFinding& f) const;
+    /// Those in which the least of it would have been seen.
+    DiagnosisVariant seen_variant_of(const EffectFinding& f) const;
 };
 
 /// Stage, simulations done and planned in it.

@@ -117,7 +117,7 @@ std::vector<std::vector<std::string>> parameter_rows(const DiagnoseStudy& study)
 
 std::string smallest_seen(const DiagnoseStudy& study, const EffectFinding& f) {
     if (!std::isfinite(f.smallest_seen)) return "not visible";
-    const DiagnosisVariant v = study.catalogue.variant(f.effect, f.seen_variant, f.seen_on);
+    const DiagnosisVariant v = study.seen_variant_of(f);
     return variant_name(v) + ": " + v.parameter + " " + with_unit(v.value(f.smallest_seen), v.unit());
 }
 
@@ -226,6 +226,33 @@ std::string unknown_sentence(const DiagnoseStudy& study) {
     return missing + " that has no name in the catalogue" + nearest(study);
 }
 
+/// "soil.slope.restitution = 0.02 and not 0.31, ...": what is not as calibrated, visibly; empty if nothing is.
+std::string moved_parameters(const DiagnoseStudy& study, const CalibrationPoint& told) {
+    const CalibrationPoint& calibrated = study.baseline.point;
+    const CalibrationProblem& problem = study.keys.problem;
+    std::string text;
+    const auto add = [&](const std::string& name, const std::string& now, const std::string& before) {
+        text += (text.empty() ? "" : ", ") + name + " = " + now + " and not " + before;
+    };
+    for (std::size_t k = 0; k < problem.parameters.size(); ++k) {
+        const CalibrationParameter& p = problem.parameters[k];
+        if (std::abs(to_unit(p, told.values[k]) - to_unit(p, calibrated.values[k])) >= kMoved)
+            add(p.name, short_number(told.values[k]), short_number(calibrated.values[k]));
+    }
+    for (std::size_t k = 0; k < problem.choices.size(); ++k) {
+        const CalibrationChoice& c = problem.choices[k];
+        if (told.levels[k] != calibrated.levels[k])
+            add(c.name, c.levels[told.levels[k]], c.levels[calibrated.levels[k]]);
+    }
+    return text;
+}
+
+/// Where nothing is missing from a model whose parameters are neither the calibrated ones nor told: what they are.
+std::string none_elsewhere(const DiagnoseStudy& study) {
+    if (!study.judged() || study.verdict != Verdict::None || study.moved) return "";
+    return moved_parameters(study, study.tested_point());
+}
+
 }  // namespace
 
 std::string verdict_sentence(const DiagnoseStudy& study) {
@@ -235,7 +262,8 @@ std::string verdict_sentence(const DiagnoseStudy& study) {
         case Verdict::None:
             return std::string("NONE: the ") +
                    (study.moved ? "model, with the parameters that all measurements together ask for,"
-                                : "calibrated model") +
+                    : none_elsewhere(study).empty() ? "calibrated model"
+                                                    : "model, with other parameters than the calibrated ones,") +
                    " could have produced these measurements (p = " + p_text(d.test.p) +
                    "); nothing is missing that they could show";
         case Verdict::Named:
@@ -336,27 +364,6 @@ std::vector<std::string> innovation_sentences(const DiagnoseStudy& study) {
     return sentences;
 }
 
-/// "soil.slope.restitution = 0.02 and not 0.31, ...": what was moved, visibly.
-static std::string moved_parameters(const DiagnoseStudy& study) {
-    const CalibrationPoint &calibrated = study.baseline.point, &told = study.told_point();
-    const CalibrationProblem& problem = study.keys.problem;
-    std::string text;
-    const auto add = [&](const std::string& name, const std::string& now, const std::string& before) {
-        text += (text.empty() ? "" : ", ") + name + " = " + now + " and not " + before;
-    };
-    for (std::size_t k = 0; k < problem.parameters.size(); ++k) {
-        const CalibrationParameter& p = problem.parameters[k];
-        if (std::abs(to_unit(p, told.values[k]) - to_unit(p, calibrated.values[k])) >= kMoved)
-            add(p.name, short_number(told.values[k]), short_number(calibrated.values[k]));
-    }
-    for (std::size_t k = 0; k < problem.choices.size(); ++k) {
-        const CalibrationChoice& c = problem.choices[k];
-        if (told.levels[k] != calibrated.levels[k])
-            add(c.name, c.levels[told.levels[k]], c.levels[calibrated.levels[k]]);
-    }
-    return text.empty() ? "parameters that are nearly the calibrated ones" : text;
-}
-
 static std::string as_followed_remark(const std::string& model) {
     return model +
            " stays where the diagnosis followed it to: the calibration, which minimises a part of what is compared, "
@@ -371,8 +378,9 @@ static std::string sideways_remark(const DiagnoseStudy& study) {
     std::string known, beside;
     for (const EffectFinding& f : study.diagnosis.findings) {
         if (!study.variant_of(f).space) continue;
+        if (!f.finalist) continue;  // not asked
         known = "third_dimension has weight " + weight_text(f.weight);
-        if (f.finalist && &f == &study.diagnosis.findings.front())
+        if (&f == &study.diagnosis.findings.front())
             beside = ", which also looks for what acts beside the third dimension";
     }
     if (study.beside > kWorthTelling)
@@ -399,11 +407,22 @@ std::vector<std::string> diagnose_remarks(const DiagnoseStudy& study) {
                               "effect often drives it there");
     }
     if (study.moved) {
+        const std::string moved = moved_parameters(study, study.told_point());
         remarks.push_back("the calibration minimises a part of what was measured; all of it together asks for " +
-                          moved_parameters(study) + ": site_extended.toml and results.gpkg have that (gap over all " +
+                          (moved.empty() ? "parameters that are nearly the calibrated ones" : moved) +
+                          ": site_extended.toml and results.gpkg have that (gap over all " +
                           gap_number(study.told().overall.gap) + "; of the calibrated model " +
                           gap_number(study.before.overall.gap) + ")");
     }
+    if (const std::string tested = none_elsewhere(study); !tested.empty())
+        remarks.push_back("p is that of the model with " + tested +
+                          "; the calibrated values leave less over all, and site_extended.toml and results.gpkg have "
+                          "those");
+    if (study.judged() && study.verdict == Verdict::None && study.told().overall.beyond_chance())
+        remarks.push_back(
+            "no residual that was tested stands out, and yet the model is beyond chance as a whole (gap "
+            "over all " +
+            gap_number(study.told().overall.gap) + "): look at the observables in the report before you trust it");
     if (study.judged() && study.baseline.result.held_out_was_seen())
         remarks.push_back(held_out_remark("the calibrated model"));
     if (study.baseline.as_followed) remarks.push_back(as_followed_remark("the calibrated model"));

@@ -2,6 +2,8 @@
 // What is searched for, as the core is told of it.
 #include "cli/diagnose_candidates.hpp"
 
+#include "cli/diagnose_models.hpp"
+#include "cli/diagnose_study.hpp"
 #include "cli/program.hpp"
 #include "cli/site_file.hpp"
 #include "cli/site_model.hpp"
@@ -47,6 +49,33 @@ TEST(DiagnoseCandidates, LowFrictionIsLowerThanTheGround) {
             soils[1].friction = 0.4;
             const double here = v.place.soil == 1 ? 0.4 : 0.9;  // of all soils the largest is lowered first
             EXPECT_DOUBLE_EQ(v.on_ground(soils).value(0.0), here) << v.label;
+        }
+    EXPECT_GT(seen, 0U);
+}
+
+// What a strength stands for is told as it was simulated: on the ground of the model that was tested, or that a finalist was followed to.
+TEST(DiagnoseCandidates, StrengthsAreToldOnTheGroundThatTheyWereSimulatedOn) {
+    DiagnoseStudy study;
+    study.site = read_site_file(test::quarry_a() / "site.toml", {"model.dimension=2"});
+    study.keys = read_free_keys(study.site, {"soil.*.friction=0.3:0.9"});
+    study.baseline.point = {{0.8}, {}};
+    study.diagnosis.parameters = {to_unit(study.keys.problem.parameters[0], 0.4)};
+    const SiteFile calibrated = with_changes(study.site, study.keys.changes(study.baseline.point));
+    study.catalogue = make_candidates(calibrated, load_site(study.site), ObservedSite{}, {}, "");
+    std::size_t seen = 0;
+    for (std::size_t e = 0; e < study.catalogue.candidates.size(); ++e)
+        for (std::size_t v = 0; v < study.catalogue.candidates[e].variants.size(); ++v) {
+            if (study.catalogue.candidates[e].variants[v].kind != EffectKind::LowFriction) continue;
+            ++seen;
+            EffectFinding f;
+            f.effect = e;
+            f.variant = f.seen_variant = v;
+            EXPECT_DOUBLE_EQ(study.catalogue.variant(e, v, {}).value(0.0), 0.8);
+            EXPECT_DOUBLE_EQ(study.variant_of(f).value(0.0), 0.4);
+            EXPECT_DOUBLE_EQ(study.seen_variant_of(f).value(0.0), 0.4);
+            f.finalist = true;
+            f.parameters = {to_unit(study.keys.problem.parameters[0], 0.6)};
+            EXPECT_DOUBLE_EQ(study.variant_of(f).value(0.0), 0.6);
         }
     EXPECT_GT(seen, 0U);
 }

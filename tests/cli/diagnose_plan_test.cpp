@@ -86,6 +86,9 @@ TEST(Diagnose, RefusesInOneSentence) {
     const Outcome instrument = diagnose(folder / "out", {"--plan", "--instruments", "stops,smell"});
     EXPECT_EQ(instrument.code, 3);
     EXPECT_THAT(instrument.err, HasSubstr("knows no \"smell\""));
+    const Outcome films = diagnose(folder / "out", {"--plan", "--instruments", "impacts", "--set", "screens.file="});
+    EXPECT_EQ(films.code, 3);
+    EXPECT_THAT(films.err, HasSubstr("films of impacts alone"));
     const Outcome no_plan = diagnose(folder / "out", {"--observed", "somewhere", "--instruments", "stops"});
     EXPECT_EQ(no_plan.code, 2);
     EXPECT_THAT(no_plan.err, HasSubstr("--instruments requires --plan"));

@@ -2,6 +2,10 @@
 // Blocks held against restarts of their own: what is beyond chance, and what is not.
 #include "cli/diagnose_restarts.hpp"
 
+#include "cli/program.hpp"
+#include "cli/site_file.hpp"
+#include "cli/site_model.hpp"
+
 #include <gtest/gtest.h>
 
 #include <array>
@@ -65,6 +69,28 @@ TEST(RestartedBlocks, ARightModelIsLeftAlone) {
         // speeds, skewed
         EXPECT_LT(told(blocks, false, [&] { return -std::log(1.0 - uniform()); }), most + 0.01) << blocks;
     }
+}
+
+// A screen that stands for a barrier to come has measured nothing: it takes no part.
+TEST(ScreenInnovations, GoFromOneScreenThatMeasuredToTheNext) {
+    const auto riddle = test::quarry_a().parent_path() / "quarry_riddle";
+    const auto ways = [&](const std::string& chainages) {
+        const SiteFile site = read_site_file(riddle / "site.toml", {"screens.file=", "screens.chainages=" + chainages});
+        const SiteModel model = load_site(site);
+        const ObservedSite observed = load_observed(site, model, (riddle / "observed").string());
+        const FreeKeys keys;
+        const FieldTest test(site, model, observed, keys, 1);
+        std::vector<std::string> names;
+        const auto all = screen_innovations(test, site, observed, test.run(site, 1, 4));
+        EXPECT_TRUE(all);
+        for (const ScreenInnovation& i : all ? *all : std::vector<ScreenInnovation>{})
+            names.push_back(observed.op.screens[static_cast<std::size_t>(i.from)] + " to " +
+                            (i.to < 0 ? "the stop" : observed.op.screens[static_cast<std::size_t>(i.to)]));
+        return names;
+    };
+    const std::vector<std::string> two = ways("ES1-A = 39.5, ES2-A = 48.5");
+    EXPECT_GT(two.size(), 2U);
+    EXPECT_EQ(ways("ES1-A = 39.5, between = 44, ES2-A = 48.5, below = 52"), two);
 }
 
 }  // namespace

@@ -70,6 +70,29 @@ TEST(DiagnoseWords, WhereTheThirdDimensionIsNearest3DSaysMore) {
     EXPECT_THAT(
         diagnose_remarks(study),
         Contains(HasSubstr("confirm with model.dimension = 3, which also looks for what acts beside the third")));
+    EXPECT_THAT(diagnose_remarks(study), Contains(HasSubstr("third_dimension has weight")));
+    for (EffectFinding& f : study.diagnosis.findings) f.finalist = false;
+    EXPECT_THAT(diagnose_remarks(study), Not(Contains(HasSubstr("third_dimension has weight")))) << "nobody asked";
+}
+
+// p is that of the model that was tested, which need not be the one that is told.
+TEST(DiagnoseWords, NothingMissingWithOtherParametersThanTheCalibratedOnes) {
+    DiagnoseStudy study = unknown({0.9}, 0.3);
+    study.verdict = study.diagnosis.verdict = Verdict::None;
+    study.keys.problem.parameters = {{"soil.a.friction", 0.3, 0.9, 0.5, false}};
+    study.baseline.point = {{0.5}, {}};
+    study.before.observables.emplace_back();
+    study.diagnosis.parameters = {to_unit(study.keys.problem.parameters[0], 0.51)};
+    EXPECT_THAT(verdict_sentence(study), StartsWith("NONE: the calibrated model could"));
+    EXPECT_THAT(diagnose_remarks(study), Not(Contains(HasSubstr("p is that of"))));
+    study.diagnosis.parameters = {to_unit(study.keys.problem.parameters[0], 0.7)};
+    EXPECT_THAT(verdict_sentence(study),
+                StartsWith("NONE: the model, with other parameters than the calibrated ones, could"));
+    EXPECT_THAT(diagnose_remarks(study),
+                Contains(HasSubstr("p is that of the model with soil.a.friction = 0.7 and not 0.5;")));
+    study.before.overall.gap = 3.0;
+    study.before.overall.chance = {0.5, 2.0};
+    EXPECT_THAT(diagnose_remarks(study), Contains(HasSubstr("beyond chance as a whole (gap over all 3")));
 }
 
 TEST(DiagnoseWords, StopsInAStretchAreToldAsShares) {
