@@ -109,7 +109,8 @@ private:
                 if (!closed_.empty()) break;
             }
             if (flown >= arc) break;  // the flight goes on, with another acceleration
-            dt = std::min({std::max(dt, kShortestFlight), settings_.time_limit - time_ - flown, arc - flown});
+            const double left = settings_.time_limit - time_ - flown;
+            dt = std::min({std::max(dt, kShortestFlight), left, arc - flown});
             State next = flown_state(now, dt);
             if (!finder_.over_terrain(next.position)) {
                 dt = rim_time(now, dt);
@@ -121,7 +122,8 @@ private:
             now = next;
             flown += dt;
             motion.spin_most = std::max(motion.spin_most, now.spin.norm());
-            if (time_ + flown >= settings_.time_limit) finish(StopReason::TimeLimit);
+            if (dt >= left || time_ + flown >= settings_.time_limit)  // the sum may round to less
+                finish(StopReason::TimeLimit);
         }
         state_ = now;
         end_segment(motion, flown);

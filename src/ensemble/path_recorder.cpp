@@ -13,9 +13,11 @@ namespace {
 constexpr double kLineDistance = 0.25;
 constexpr double kLineTime = 0.2;  ///< [s]
 
+/// Of both motions at one time: where a contact turns the one into the other, the largest of each would be more than the block ever has.
 template <int Dim>
 double energy_at(const MotionSegment<Dim>& m, double s) {
-    return 0.5 * m.mass * velocity_at(m, s).squaredNorm() + std::max(m.rotation_energy_start, m.rotation_energy_end);
+    return 0.5 * m.mass * velocity_at(m, s).squaredNorm() + m.rotation_energy_start +
+           s * (m.rotation_energy_end - m.rotation_energy_start);
 }
 
 }  // namespace
@@ -92,8 +94,7 @@ void PathRecorder<Dim>::add_crossing(std::size_t screen, const MotionSegment<Dim
     c.position = on_map(position);
     c.velocity = velocity_on_map(position, velocity);
     c.spin = m.spin_start + share * (m.spin_end - m.spin_start);
-    c.energy = 0.5 * m.mass * velocity.squaredNorm() + m.rotation_energy_start +
-               share * (m.rotation_energy_end - m.rotation_energy_start);
+    c.energy = energy_at(m, share);
     c.height = position[Dim - 1] - ground(position);
     c.measured_speed = velocity.norm();
     if constexpr (Dim == 2) c.s = position.x();

@@ -12,6 +12,17 @@ namespace scree {
 
 namespace {
 
+/// Ends of a log-normal distribution that are so near each other that hardly a draw from all of it lies between them [standard deviations].
+constexpr double kNarrow = 1.0;
+
+/// A standard normal number between two ends around 0, at most kNarrow apart: by rejection from a uniform one.
+double normal_between(double low, double high, RandomStream& random) {
+    for (;;) {
+        const double z = random.uniform(low, high);
+        if (random.uniform() <= std::exp(-0.5 * z * z)) return z;
+    }
+}
+
 double draw_volume(const BlockDistribution& d, RandomStream& random) {
     switch (d.law) {
         case VolumeLaw::Constant:
@@ -20,11 +31,15 @@ double draw_volume(const BlockDistribution& d, RandomStream& random) {
             return random.uniform(d.volume_min, d.volume_max);
         case VolumeLaw::LogUniform:
             return std::exp(random.uniform(std::log(d.volume_min), std::log(d.volume_max)));
-        case VolumeLaw::LogNormal:
+        case VolumeLaw::LogNormal: {
+            const double low = std::log(d.volume_min / d.volume) / d.sigma,
+                         high = std::log(d.volume_max / d.volume) / d.sigma;
+            if (high - low < kNarrow) return d.volume * std::exp(d.sigma * normal_between(low, high, random));
             for (;;) {
                 const double v = d.volume * std::exp(d.sigma * random.normal());
                 if (v >= d.volume_min && v <= d.volume_max) return v;
             }
+        }
         case VolumeLaw::PowerLaw: {
             // inverse of the cut-off distribution: v^-b uniform between the two ends
             const double low = std::pow(d.volume_max, -d.exponent), high = std::pow(d.volume_min, -d.exponent);

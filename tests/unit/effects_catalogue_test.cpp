@@ -168,6 +168,30 @@ TEST(BlockShapeEffect, KeepsTheVolumeAndTheRatios) {
     EXPECT_THROW(reshaped(population, std::vector<Effect>{effect}), InputError);
 }
 
+// Volumes that are drawn again until they lie between ends that are near each other, or one and the same.
+TEST(BlockPopulation, LogNormalVolumesLieBetweenNarrowEnds) {
+    BlockPopulation population;
+    BlockDistribution& d = population.distribution;
+    d.law = VolumeLaw::LogNormal;
+    d.density = 2600.0;
+    for (const double width : {0.0, 1e-12, 1e-3, 0.2}) {
+        d.volume_min = 1.0;
+        d.volume = 1.0 + 0.5 * width;
+        d.volume_max = 1.0 + width;
+        double low = kInfinity, high = 0.0;
+        for (std::uint64_t k = 0; k < 200; ++k) {
+            const double volume = draw_block(population, 3, k).body.mass / d.density;
+            low = std::min(low, volume);
+            high = std::max(high, volume);
+        }
+        EXPECT_GE(low, d.volume_min * (1.0 - 1e-12)) << width;
+        EXPECT_LE(high, d.volume_max * (1.0 + 1e-12)) << width;
+        if (width > 1e-6) {
+            EXPECT_GT(high - low, 0.9 * width) << "everywhere between them";
+        }
+    }
+}
+
 // A shape and a push of nothing change no bit of a block and of its start.
 TEST(BlockShapeEffect, DoesNothingWhereNeutral) {
     BlockPopulation population;

@@ -213,6 +213,19 @@ TEST(PlaneEnergy, NeverGrows) {
     EXPECT_GT(steps, 10000);
 }
 
+// The sum of two times may round to just less than the limit: a block that flies then must not fly for ever.
+TEST(PlaneFlight, EndsAtAnyTimeLimit) {
+    const ConvexPolygon block = make_polygon_from_points(regular_polygon(20, 0.5), 1000.0);
+    const GroundLine ground = inclined_line(5 * kDegree);
+    for (int k = 0; k < 400; ++k) {
+        const double limit = 0.95 + 0.001 * k;  // after a fall of 1 m and a bounce it flies until 1.2 s
+        const TrajectoryEnd<2> end =
+            PolygonMechanics{block, ground, {{"s", 0.9, 0.5, 0.04}}, {}}.until(limit, on_slope(5 * kDegree, 10.0, 1.5));
+        EXPECT_EQ(end.reason, StopReason::TimeLimit);
+        EXPECT_NEAR(end.time, limit, 0.01);
+    }
+}
+
 TEST(PlaneFuzz, RandomPolygonsOnRandomGround) {
     DynamicsSettings settings;
     settings.time_limit = 30.0;

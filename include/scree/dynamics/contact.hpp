@@ -12,7 +12,7 @@ enum class FeaturePair : std::uint8_t { VertexOnFacet, NodeInFace, EdgeOnEdge };
 
 struct ContactKey {
     FeaturePair pair = FeaturePair::VertexOnFacet;
-    std::int64_t block = 0;    ///< vertex of the block; 0 for nodes and edges
+    std::int64_t block = 0;    ///< vertex of the block, or faces whose edge it is; 0 for nodes
     std::int64_t terrain = 0;  ///< facet, node or edge of the terrain
 
     bool operator==(const ContactKey&) const = default;

@@ -94,7 +94,7 @@ struct TrajectoryCounters {
     double largest_energy_rise =
         0.0;  ///< largest rise of energy that a step or impact was left with, as height of fall [m]
     double largest_penetration = 0.0;   ///< [m]
-    std::int64_t crossings_struck = 0;  ///< trees and nets that took energy
+    std::int64_t crossings_struck = 0;  ///< trees and nets that were struck; what grazes a tree takes no energy
     std::int64_t breaks = 0;            ///< how often a block broke
     /// Steps in contact by deepest penetration, two bins per octave (ends 2^n and 1.5 2^n): from 2^-20 m, bin 0 with all below, to 16 m.
     std::array<std::int64_t, 48> penetration{};

@@ -161,7 +161,7 @@ struct CampaignResult {
     std::array<std::int64_t, 4> reasons{};     ///< blocks by StopReason
     std::int64_t released = 0;                 ///< blocks thrown: the sum of the reasons, always
     TrajectoryCounters counters;
-    std::vector<HardProblem> hard_problems;  ///< by block, at most dynamics.kept_problems of each
+    std::vector<HardProblem> hard_problems;  ///< by block, at most dynamics.kept_problems of each piece of its path
     bool interrupted = false;
 };
 

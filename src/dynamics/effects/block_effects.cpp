@@ -15,12 +15,12 @@ namespace {
 
 using namespace effect_formula;
 
+/// Longest edge of the smallest piece that a block breaks into [m]: dust would bounce for ever.
+constexpr double kSmallestPiece = 0.05;
 /// A flight is taken this far beyond a border or an obstacle, so that the next piece begins behind it [m].
 constexpr double kPast = 1e-4;
 /// A shorter piece takes another way by as little as its end is off: it could fall short of the border for ever [s].
 constexpr double kLeastPiece = 1e-5;
-/// Longest piece of a flight without drag where something may lie in the way [s].
-constexpr double kLongestWatch = 0.25;
 
 /// Where the way from a to b enters the circle, as a share in (0, 1] of it; infinite if it does not. `offset`: how far the way passes from the
 /// centre over the radius.
@@ -182,7 +182,8 @@ void BlockEffects<Dim>::struck(const State& s, std::span<const Contact<Dim>> con
             const double left = p.memory * std::max(0.0, 1.0 - p.memory2 / body_.length);
             p.memory = std::min(std::max(left, scar_depth(body_.mass, 1e6 * p.value[1], fastest)), 0.5 * body_.length);
             p.memory2 = 0.0;
-        } else if (!broken_ && fastest >= p.value[0] && p.memory < p.value[2]) {
+        } else if (!broken_ && body_.length * std::cbrt(p.value[1]) >= kSmallestPiece && fastest >= p.value[0] &&
+                   p.memory < p.value[2]) {
             p.memory += 1.0;
             broken_ = true;
             piece_ = p.value[1];
@@ -275,7 +276,8 @@ FlightArc<Dim> BlockEffects<Dim>::flight_arc(const State& s) {
         return arc;
     }
     const Drag drag = drag_at(s.position);
-    const double longest = drag.none() ? kLongestWatch : DragFlight<Dim>::longest(drag, gravity_, s.velocity);
+    const double longest =
+        drag.none() ? DragFlight<Dim>::kLongest : DragFlight<Dim>::longest(drag, gravity_, s.velocity);
     DragFlight<Dim> flight(drag, gravity_, s, longest);
     const double change = change_time(s, flight);
     if (change < flight.duration()) flight = DragFlight<Dim>(drag, gravity_, s, std::max(change, kLeastPiece));

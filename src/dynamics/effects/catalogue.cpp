@@ -214,7 +214,7 @@ constexpr EffectInfo kCatalogue[] = {
      "mass and velocities",
      "threshold on the normal speed; compare RockGIS (Matas et al. 2017)",
      "two groups of stops, speeds and energies behind hard impacts",
-     "The largest piece is followed, the others are not.", kFragmentation},
+     "The largest piece is followed, the others are not. None is made that is shorter than 5 cm.", kFragmentation},
     {K::OwnLaw, "own_law", "a law of your own", H::ContactLaw, kOnGround,
      "what the library says: e, mu, mu_r of a contact and a drag while in contact, as functions of the state",
      "include/scree/own_law.h", "what it changes",
