@@ -83,6 +83,12 @@ public:
         result_.sources = records_.sources;
         result_.inputs = records_.files;
         result_.warnings = records_.warnings;
+        if (records_.seed == std::to_string(site_.settings.seed))
+            find(Severity::Warning, "same_seed",
+                 "these are results of a run with model.seed = " + records_.seed +
+                     ", which is that of this site: blocks that are simulated are the measured ones once more, and "
+                     "look too "
+                     "much alike; give another with --seed");
         name_places();
         name_blocks();
         add_stops();
@@ -212,7 +218,11 @@ private:
     }
 
     void add_releases() {
-        if (!s_.release_positions) return;
+        if (!s_.release_positions || records_.releases.empty()) return;
+        if (model_.in_plane() && records_.seed.empty())  // results of Scree always have them
+            find(Severity::Warning, "release_points_unused",
+                 "release_points are used in 3D only: in 2D blocks start anywhere in the release area along the "
+                 "profile");
         std::set<std::string> off;
         for (const gis::ReleaseRecord& r : records_.releases) {
             const auto block = index_.find(r.body.id);
@@ -256,7 +266,8 @@ private:
             return;
         }
         const auto blocks = static_cast<std::int64_t>(o.blocks.size());
-        if (blocks > 0 && o.stops.empty() && records_.impacts.empty() && s_.thrown != blocks) {
+        const bool crossed = !records_.crossings.empty();  // films of impacts alone say nothing of who passes
+        if (blocks > 0 && o.stops.empty() && crossed && s_.thrown != blocks) {
             find(Severity::Warning, "only_who_passed",
                  "blocks are known from crossings alone, and those that passed no screen are in no table: they are "
                  "compared as a pool with the site's own population; list every block that was thrown in "
@@ -283,14 +294,19 @@ private:
                     "--set observed.matched=false");
         } else {
             o.matched = true;
+            if (s_.thrown > 0 && s_.thrown != blocks)
+                find(Severity::Warning, "thrown_differs",
+                     "observed.thrown = " + std::to_string(s_.thrown) + ", but " + std::to_string(blocks) +
+                         " blocks have a block_id: these alone are compared; list every block that was thrown in "
+                         "stopping_points, without a position where none was measured");
         }
     }
 
     void take_from_list(ObservedBlock& block) const {
         for (const BlockRow& row : model_.campaign.population.list) {
             if (row.id != block.id) continue;
-            block.mass = row.mass;
-            block.size = row.size;
+            if (!(block.mass > 0.0)) block.mass = row.mass;
+            block.size = (block.size.array() > 0.0).select(block.size, row.size);
         }
     }
 

@@ -19,8 +19,7 @@ const gis::SvgPen kAxis{.stroke = "#444444", .width = 1.0, .fill = "none", .opac
 template <class Draw>
 void each_tick(double low, double high, int most, Draw draw) {
     const double step = gis::round_step(high - low, most);
-    for (double k = std::ceil(low / step - 1e-9); k * step <= high + 1e-9 * step; k += 1.0)
-        draw(k * step, gis::axis_number(k * step, step));
+    for (const double number : gis::round_numbers(low, high, step)) draw(number, gis::axis_number(number, step));
 }
 
 }  // namespace

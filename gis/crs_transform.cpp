@@ -28,6 +28,11 @@ CrsTransform::CrsTransform(const std::string& from, const std::string& to, const
     PJ_CONTEXT* context = state_->context.get();
     proj_log_level(context, PJ_LOG_NONE);
 
+    if (!proj_context_get_database_path(context))
+        throw InputError(
+            words(place,
+                  " cannot be transformed: PROJ does not find its database proj.db; PROJ_DATA or PROJ_LIB, if "
+                  "set, must lead to that of the PROJ that is used here."));
     const Object source(proj_create(context, from.c_str())), target(proj_create(context, to.c_str()));
     const char* const options[] = {"ALLOW_BALLPARK=NO", nullptr};
     if (source && target) {

@@ -89,7 +89,8 @@ std::vector<std::string> files_behind(const std::string& input) {
         if (!shown_only(*part)) parts.emplace_back(*part);
     CSLDestroy(list);
     std::sort(parts.begin(), parts.end());
-    if (!is_plain_path(input) && !parts.empty()) files.clear();  // GPKG:a.gpkg:dtm is no file
+    const bool is_part = std::find(parts.begin(), parts.end(), input) != parts.end();
+    if (!is_plain_path(input) && !parts.empty() && !is_part) files.clear();  // GPKG:a.gpkg:dtm is no file
     for (std::string& part : parts)
         if (part != input) files.push_back(std::move(part));
     return files;

@@ -24,8 +24,10 @@ constexpr double kOriginStep = 100.0;  // the local origin is a multiple of this
 constexpr double kRotationTolerance =
     0.01;  // drift of a row or column over the whole raster that is no rotation yet [cells]
 constexpr std::int64_t kStripCells = 1 << 22;  // cells read at a time [-]
-constexpr double kSparse = 0.1;                // share of valid cells below which a warning is given [-]
-constexpr double kZeroCliff = 100.0;           // zeros this far below all other heights are holes filled with 0 [m]
+constexpr double kSpike = 20.0,
+                 kLeastSpike = 10.0;  // height that no single cell has over all its neighbours [cells], [m]
+constexpr double kSparse = 0.1;       // share of valid cells below which a warning is given [-]
+constexpr double kZeroCliff = 100.0;  // zeros this far below all other heights are holes filled with 0 [m]
 
 // Values that programs write where they know nothing.
 constexpr std::array kSentinels = {-99.0,
@@ -340,9 +342,39 @@ HeightCensus read_heights(Decoder& decoder, const Placement& place, const std::s
     return census;
 }
 
+/// Single cells far above or far below all eight around them: birds, wires and gross errors, which blocks would meet.
+void warn_of_spikes(Dtm& dtm, const std::string& place) {
+    const double far = std::max(kLeastSpike, kSpike * std::max(dtm.dx, dtm.dy));
+    std::size_t count = 0;
+    int first_column = 0, first_row = 0;
+    double first = 0.0;
+    for (int row = dtm.rows - 2; row > 0; --row)
+        for (int column = 1; column + 1 < dtm.columns; ++column) {
+            const double z = dtm.at(column, row);
+            double low = kInfinity, high = -kInfinity;
+            for (int r = row - 1; r <= row + 1; ++r)
+                for (int c = column - 1; c <= column + 1; ++c) {
+                    if (r == row && c == column) continue;
+                    low = std::min(low, dtm.at(c, r));
+                    high = std::max(high, dtm.at(c, r));
+                }
+            const double by = std::max(z - high, low - z);
+            if (!(by > far)) continue;
+            if (++count == 1) first_column = column, first_row = row, first = by;
+        }
+    if (count > 0)
+        dtm.report.warnings.push_back(words(place, " has ", counted(count, "cell"), " more than ", far,
+                                            " m above or below all eight around (the first by ", fixed(first, 1),
+                                            " m, in column ", first_column + 1, " from the west and row ",
+                                            dtm.rows - first_row,
+                                            " from the north): errors of the survey? Blocks meet them; mend them, for "
+                                            "example with gdal_fillnodata.py."));
+}
+
 void add_warnings(const HeightCensus& census, const Decoder& decoder, const GdalScope& scope, Dtm& dtm) {
     DtmReport& report = dtm.report;
     const std::string place = words("The terrain model '", report.file, "'");
+    warn_of_spikes(dtm, place);
     if (decoder.scaled()) {
         report.warnings.push_back(words(place, " stores scaled heights: height = stored value * ", decoder.scale(),
                                         " + ", decoder.offset(), " m was applied."));

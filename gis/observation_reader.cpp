@@ -198,6 +198,11 @@ void add_vector_file(const std::string& file, const LocalFrame& frame, const Box
         throw InputError(words("The observations '", file, "' have no layer that is known, only ",
                                names.empty() ? "none" : names, "; ", what_is_read()));
     }
+    if (std::find(layers.begin(), layers.end(), "run") != layers.end()) {
+        const RecordTable run = read_layer_records(file, "run", frame, extent);
+        for (const RecordTable::Record& r : run.records)
+            if (run.text(r, "key") == "seed") records.seed = run.text(r, "value");
+    }
     records.files.push_back(file);
 }
 

@@ -85,6 +85,7 @@ struct ObservationRecords {
     std::vector<ShareRecord> shares;
     std::vector<ReleaseRecord> releases;
     std::vector<std::string> files;  ///< as opened
+    std::string seed;                ///< of the run whose results these are; empty: none of Scree's
     std::vector<std::string>
         sources;  ///< a line for people per table or layer read: what, how many, CRS, transformation
     std::vector<std::string> warnings;

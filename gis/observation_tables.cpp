@@ -10,7 +10,9 @@
 #include "scree/base/error.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cctype>
+#include <charconv>
 #include <cmath>
 #include <filesystem>
 #include <optional>
@@ -30,6 +32,14 @@ std::string lower(std::string text) {
     std::transform(text.begin(), text.end(), text.begin(),
                    [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
     return text;
+}
+
+/// As few digits as say which number it is; whole ones, an id say, without a fraction or an exponent.
+std::string shortest(double value) {
+    constexpr double kWhole = 9007199254740992.0;  // beyond, not every whole number is one
+    if (std::abs(value) <= kWhole && value == std::trunc(value)) return words(static_cast<std::int64_t>(value));
+    std::array<char, 32> text{};
+    return {text.data(), std::to_chars(text.data(), text.data() + text.size(), value).ptr};
 }
 
 std::string operation_text(const std::string& name, double accuracy) {
@@ -76,7 +86,7 @@ std::string RecordTable::text(const Record& record, const std::string& field) co
     if (!value) return {};
     if (const auto* s = std::get_if<std::string>(value)) return *s;
     if (const auto* i = std::get_if<std::int64_t>(value)) return words(*i);
-    if (const auto* d = std::get_if<double>(value)) return words(*d);
+    if (const auto* d = std::get_if<double>(value)) return shortest(*d);
     return {};
 }
 
@@ -84,17 +94,22 @@ double RecordTable::number(const Record& record, const std::string& field, doubl
     const FieldValue* value = find(record, field);
     if (!value || std::holds_alternative<std::monostate>(*value)) return kNaN;
     double result = kNaN;
+    bool unclear = false;
     if (const auto* i = std::get_if<std::int64_t>(value)) result = static_cast<double>(*i);
     if (const auto* d = std::get_if<double>(value)) result = *d;
     if (const auto* s = std::get_if<std::string>(value)) {
         if (s->empty()) return kNaN;
-        const bool unclear = decimal_comma && is_ambiguous_number(*s);
-        result = unclear ? kNaN : parse_number(*s, decimal_comma).value_or(kNaN);
+        result = parse_number(*s, decimal_comma).value_or(kNaN);
+        std::string thousands = *s;
+        std::erase(thousands, ',');
+        unclear =
+            decimal_comma && is_ambiguous_number(*s) && parse_number(thousands, false).value_or(kInfinity) <= high;
     }
-    if (std::isfinite(result) && result >= low && result <= high) return result;
+    if (!unclear && std::isfinite(result) && result >= low && result <= high) return result;
     std::string allowed = "a finite number";
     if (std::isfinite(low)) allowed += words(" of at least ", low);
     if (std::isfinite(high)) allowed += words(std::isfinite(low) ? " and" : "", " of at most ", high);
+    if (unclear) allowed += ", without a comma that could mean thousands (14,23 or 14.230 is clear)";
     refuse(record, words("has '", text(record, field), "' in the field '", field, "'; allowed is ", allowed,
                          ", or nothing where it was not measured."));
 }

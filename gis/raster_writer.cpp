@@ -90,7 +90,7 @@ bool write_pixels(GDALRasterBand& band, const Pixels& pixels) {
 DatasetPtr in_memory(const LocalFrame& frame, OGRSpatialReference* srs, const RasterLayer& layer, const Pixels& pixels,
                      float no_data) {
     GDALDriver* driver = GetGDALDriverManager()->GetDriverByName("MEM");
-    DatasetPtr out(driver->Create("", pixels.columns, pixels.rows, 1, GDT_Float32, nullptr));
+    DatasetPtr out(!driver ? nullptr : driver->Create("", pixels.columns, pixels.rows, 1, GDT_Float32, nullptr));
     if (!out) return nullptr;
     const GridShape& shape = layer.values.shape;
     // the geotransform names the outer corner of the north-western cell; ours is the south-western one
@@ -133,6 +133,8 @@ void copy_to(const char* format, const std::filesystem::path& file, GDALDataset&
              const OutputScope& scope) {
     const std::string lost = "the raster could not be stored; check that the folder is writable and the disc has room";
     GDALDriver* driver = GetGDALDriverManager()->GetDriverByName(format);
+    if (!driver)
+        throw ComputeError(file.string() + ": GDAL has no driver " + format + " here; check GDAL_SKIP, or install it");
     DatasetPtr copy(driver->CreateCopy(file.c_str(), &source, TRUE, options.List(), nullptr, nullptr));
     if (!copy) scope.fail(file.string(), lost);
     copy.reset();

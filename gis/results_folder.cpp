@@ -171,9 +171,10 @@ void require_free_results_folder(const fs::path& folder, bool overwrite) {
 
 ResultsFolder::ResultsFolder(const fs::path& folder, bool overwrite) : final_(resolved(folder)) {
     require_free_results_folder(folder, overwrite);
-    staging_ = final_.string() + ".partial-" + std::to_string(::getpid());
-    fs::remove_all(staging_);  // of a process that had our number and was killed
-    fs::create_directories(staging_);
+    fs::create_directories(final_.parent_path());
+    const std::string name = final_.string() + ".partial-" + std::to_string(::getpid());
+    staging_ = name;  // one that is there may hold what a killed process had not yet handed back to its owner
+    for (int k = 2; !fs::create_directory(staging_); ++k) staging_ = name + "-" + std::to_string(k);
 }
 
 ResultsFolder::~ResultsFolder() {
@@ -189,8 +190,14 @@ void ResultsFolder::commit() {
     committed_ = true;
     flush(final_.parent_path());
     if (!replaced) return;
-    keep_other_files(staging_, final_);
-    fs::remove_all(staging_);
+    try {
+        keep_other_files(staging_, final_);
+        fs::remove_all(staging_);
+    } catch (const fs::filesystem_error& error) {
+        throw ComputeError(final_.string() +
+                           ": the results are there, but what the folder held before could not be cleared away (" +
+                           error.what() + "): take from " + staging_.string() + " what is yours, and remove it");
+    }
 }
 
 }  // namespace scree::gis

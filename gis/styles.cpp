@@ -172,6 +172,8 @@ std::vector<double> round_limits(double low, double high, std::size_t classes) {
         if (limits.size() > classes + 2) limits = decimal_series(from, high, kCoarse);
         return limits;
     }
+    constexpr double kAlike = 1e-9;  // of the values: no round number tells them apart
+    if (high - low <= kAlike * std::max(std::abs(low), std::abs(high))) return {};
     const double rough = (high - low) / static_cast<double>(classes);
     const double unit = std::pow(10.0, std::floor(std::log10(rough)));
     double step = 10 * unit;

@@ -127,6 +127,17 @@ std::string axis_number(double value, double step) {
     return text;
 }
 
+/// More than any axis has [-].
+static constexpr double kMostTicks = 1000.0;
+
+std::vector<double> round_numbers(double low, double high, double step) {
+    std::vector<double> numbers;
+    const double first = std::ceil(low / step - 1e-9), count = std::floor((high - low) / step + 1e-9) + 1.0;
+    for (int k = 0; k <= std::min(count, kMostTicks); ++k)
+        if (const double number = (first + k) * step; number <= high + 1e-9 * step) numbers.push_back(number);
+    return numbers;
+}
+
 void draw_axes(Svg& svg, const SvgPanel& panel, const SvgAxes& axes) {
     const SvgPen grid{.stroke = "#000000", .width = 0.5, .opacity = 0.12}, tick{.stroke = "#444444"};
     const Box2& p = panel.pixels;
@@ -134,19 +145,19 @@ void draw_axes(Svg& svg, const SvgPanel& panel, const SvgAxes& axes) {
     for (const int axis : {0, 1}) {
         const double low = panel.data.min[axis] + axes.offset[axis], high = panel.data.max[axis] + axes.offset[axis];
         const double step = round_step(high - low, axis == 0 ? axes.most_x : axes.most_y);
-        for (double k = std::ceil(low / step - 1e-9); k * step <= high + 1e-9 * step; k += 1.0) {
+        for (const double number : round_numbers(low, high, step)) {
             Vec2 at = panel.data.min;
-            at[axis] = k * step - axes.offset[axis];
+            at[axis] = number - axes.offset[axis];
             const Vec2 foot = panel.at(at);
-            const std::string number = axis_number(k * step, step);
+            const std::string text = axis_number(number, step);
             if (axis == 0) {
                 if (axes.grid) svg.segment({foot.x(), p.min.y()}, {foot.x(), p.max.y()}, grid);
                 svg.segment({foot.x(), p.max.y()}, {foot.x(), p.max.y() + tick_length}, tick);
-                svg.text({foot.x(), p.max.y() + tick_length + 13.0}, number, {.anchor = "middle"});
+                svg.text({foot.x(), p.max.y() + tick_length + 13.0}, text, {.anchor = "middle"});
             } else {
                 if (axes.grid) svg.segment({p.min.x(), foot.y()}, {p.max.x(), foot.y()}, grid);
                 svg.segment({p.min.x() - tick_length, foot.y()}, {p.min.x(), foot.y()}, tick);
-                svg.text({p.min.x() - tick_length - 3.0, foot.y() + 4.0}, number, {.anchor = "end"});
+                svg.text({p.min.x() - tick_length - 3.0, foot.y() + 4.0}, text, {.anchor = "end"});
             }
         }
     }

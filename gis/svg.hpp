@@ -70,6 +70,9 @@ struct SvgPanel {
 /// The round number, 1, 2 or 5 times a power of ten, that cuts `range` into at most `most` pieces.
 double round_step(double range, int most);
 
+/// The multiples of `step` from `low` to `high`.
+std::vector<double> round_numbers(double low, double high, double step);
+
 /// A number with as many decimals as a step of an axis needs, thousands apart.
 std::string axis_number(double value, double step);
 

@@ -42,6 +42,8 @@ std::string load(const std::string& file, const std::string& purpose) {
     return text;
 }
 
+}  // namespace
+
 bool is_utf8(const std::string& text) {
     for (std::size_t i = 0; i < text.size();) {
         const auto lead = static_cast<unsigned char>(text[i]);
@@ -73,13 +75,16 @@ std::string utf8_from_latin1(const std::string& text) {
     return result;
 }
 
+namespace {
+
 std::string trimmed(const std::string& text) {
     const std::size_t first = text.find_first_not_of(" \t");
     return first == std::string::npos ? std::string() : text.substr(first, text.find_last_not_of(" \t") - first + 1);
 }
 
 char separator_of(const std::string& text) {
-    const std::string header = text.substr(0, text.find_first_of("\r\n"));
+    const std::size_t first = std::min(text.find_first_not_of("\r\n"), text.size());
+    const std::string header = text.substr(first, text.find_first_of("\r\n", first) - first);
     const auto count = [&](char c) { return std::count(header.begin(), header.end(), c); };
     return std::max({',', ';', '\t'}, [&](char a, char b) { return count(a) < count(b); });
 }
@@ -169,6 +174,10 @@ Table read_table(const std::string& file, const std::string& purpose) {
     if (table.rows.empty()) throw InputError(words(place, " is empty; it needs at least a header line."));
     table.header = std::move(table.rows.front().cells);
     table.rows.erase(table.rows.begin());
+    for (std::size_t k = 0; k < table.header.size(); ++k)
+        if (!table.header[k].empty() && std::count(table.header.begin(), table.header.end(), table.header[k]) > 1)
+            throw InputError(words(place, " has the column '", table.header[k],
+                                   "' more than once: which one counts? Keep one, or rename the others."));
     for (const Table::Row& row : table.rows) {
         if (row.cells.size() == table.header.size()) continue;
         throw InputError(words(

@@ -4,6 +4,7 @@
 #include "gis/crs.hpp"
 #include "gis/crs_transform.hpp"
 #include "gis/dataset.hpp"
+#include "gis/table_reader.hpp"
 #include "gis/words.hpp"
 #include "scree/base/error.hpp"
 
@@ -198,7 +199,7 @@ private:
         }
     }
 
-    FieldValue value_of(const OGRFeature& source, int f) const {
+    FieldValue value_of(const OGRFeature& source, int f) {
         if (!source.IsFieldSetAndNotNull(f)) return {};
         switch (data_.layer.fields[static_cast<std::size_t>(f)].type) {
             case FieldType::Integer:
@@ -208,7 +209,14 @@ private:
             case FieldType::Text:
                 break;
         }
-        return std::string(source.GetFieldAsString(f));
+        std::string text = source.GetFieldAsString(f);
+        if (is_utf8(text)) return text;
+        if (!latin1_)
+            warn(
+                "has text that is not in UTF-8: it is taken to be in ISO-8859-1; a Shapefile says its encoding in a "
+                ".cpg file.");
+        latin1_ = true;
+        return utf8_from_latin1(text);
     }
 
     // GEOS says what is wrong and where; we do not guess what was meant.
@@ -372,6 +380,7 @@ private:
     std::string place_;
     std::optional<CrsTransform> transform_;
     bool degrees_ = false;
+    bool latin1_ = false;                               ///< told that its texts are taken to be
     std::int64_t id_ = 0;                               // of the feature at hand
     Box2 box_;                                          // of the feature at hand [m]
     Box2 source_box_;                                   // of all features, in the CRS of the file

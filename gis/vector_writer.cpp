@@ -353,6 +353,8 @@ std::vector<WrittenLayer> write_vector_layers(const std::filesystem::path& geopa
     const OutputScope scope;
     const SpatialReference srs = geopackage_spatial_reference(frame);
     GDALDriver* driver = GetGDALDriverManager()->GetDriverByName("GPKG");
+    if (!driver)
+        throw ComputeError(geopackage.string() + ": GDAL has no driver GPKG here; check GDAL_SKIP, or install it");
     DatasetPtr file(driver->Create(geopackage.c_str(), 0, 0, 0, GDT_Unknown, nullptr));
     if (!file)
         scope.fail(geopackage.string(),

@@ -110,6 +110,23 @@ TEST(Compare, OfTheSameModelWithAnotherSeedIsAboutOne) {
     EXPECT_NEAR(simulated, 1.0, 0.03) << "a few blocks leave the terrain";
 }
 
+// Its blocks are those of the simulation, move for move.
+TEST(Compare, WarnsOfResultsOfTheSameSeed) {
+    const TempDir folder;
+    const auto compared = [&](const char* seed) {
+        return compare(field_test(folder), folder / seed,
+                       {"--set", "observed.repeats=3", "--set", "observed.draws=50", "--seed", seed})
+            .out;
+    };
+    const std::string other = compared("1");
+    fs::rename(folder / "field", folder / "field_before");
+    EXPECT_THAT(other, Not(HasSubstr("same_seed")));
+    EXPECT_THAT(other, Not(HasSubstr("model.seed = ")));
+    compared("2");
+    EXPECT_THAT(report(folder / "2").at("findings").dump(), HasSubstr("same_seed"));
+    EXPECT_THAT(report(folder / "1").at("findings").dump(), Not(HasSubstr("same_seed")));
+}
+
 TEST(Compare, OfAnotherGroundIsClearlyAboveOne) {
     const TempDir folder;
     const Outcome run = compare(field_test(folder, {"--set", "soil.compact waste.rolling=0.2"}), folder / "out");
@@ -385,6 +402,9 @@ TEST(Compare, OfCrossingsAloneNobodyKnowsWhoDidNotPass) {
         const std::size_t from = row.find(',') + 1;
         ids.insert(row.substr(from, row.find(',', from) - from));
     }
+    put(tables / "impacts.csv", "block_id,impact,speed_before_ms,speed_after_ms\nA01,1,8.0,7.0\n");
+    EXPECT_THAT(compared("filmed", {}), HasSubstr("only_who_passed")) << "nor does a film of one of them";
+    fs::remove(tables / "impacts.csv");
     const std::string all = compared("all", {"--set", "observed.thrown=" + std::to_string(ids.size())});
     EXPECT_THAT(all, Not(HasSubstr("only_who_passed")));
     EXPECT_THAT(all, HasSubstr("passing ES2-A"));
@@ -393,6 +413,8 @@ TEST(Compare, OfCrossingsAloneNobodyKnowsWhoDidNotPass) {
     for (const std::string& id : ids) thrown += id + "\n";
     put(tables / "stopping_points.csv", thrown);
     EXPECT_THAT(compared("listed", {}), HasSubstr("passing ES2-A")) << "without positions";
+    EXPECT_THAT(compared("more", {"--set", "observed.thrown=" + std::to_string(ids.size() + 10)}),
+                HasSubstr("thrown_differs"));
 }
 
 // The site as it is cannot be what was measured; with the calibrated soils and the drag that scree diagnose named it can.

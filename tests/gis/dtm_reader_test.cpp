@@ -19,6 +19,7 @@ using test::RasterSpec;
 using test::TempDir;
 using ::testing::AllOf;
 using ::testing::Contains;
+using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 
@@ -57,6 +58,15 @@ TEST(DtmReader, PutsEveryCellInItsPlace) {
     EXPECT_EQ(dtm.at(39, 0), 100.25 + 0.5 * 39 - 0.75 * 29);
     EXPECT_EQ(dtm.report.valid_fraction, 1.0);
     EXPECT_THAT(dtm.report.warnings, IsEmpty());
+}
+
+TEST(DtmReader, SingleCellsFarFromAllAroundAreSaid) {
+    const double there = 1200.25 + 0.5 * 3 - 0.75 * 4;
+    EXPECT_THAT(written_and_read(with_cell(there + 30.0)).report.warnings, IsEmpty()) << "a tower of 15 cells";
+    for (const double by : {60.0, -60.0})
+        EXPECT_THAT(written_and_read(with_cell(there + by)).report.warnings,
+                    ElementsAre(AllOf(HasSubstr("1 cell more than 40 m above or below"),
+                                      HasSubstr("column 4 from the west and row 5 from the north"))));
 }
 
 TEST(DtmReader, RowsFromSouthAndColumnsFromEastAreTurned) {

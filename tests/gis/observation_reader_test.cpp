@@ -91,6 +91,40 @@ TEST_F(ObservationReader, AllPartsOfAShapefileStandBehindIt) {
     EXPECT_EQ(gis::files_behind(table), std::vector<std::string>{table});
 }
 
+// GDAL has names with colons of its own; a path may have one, too.
+TEST_F(ObservationReader, FilesWithAColonInTheirPathStandBehindThemselves) {
+    std::filesystem::create_directory(folder_ / "run 12:30");
+    VectorSpec spec;
+    spec.rows = {{"POINT(900010 6400010)", "a", 1.0}};
+    const std::string file = (folder_ / "run 12:30" / "zones.gpkg").string();
+    write_vector(file, spec);
+    EXPECT_THAT(gis::files_behind(file), Contains(file));
+    EXPECT_FALSE(gis::input_files({file}).empty());
+}
+
+// 14,231 m/s is no thousands: nothing is so fast.
+TEST_F(ObservationReader, TakesThreeDecimalsWhereThousandsAreOutOfTheQuestion) {
+    const auto o = read(put("film.csv", "screen;block_id;speed_ms;energy_kj\nES1;A;14,231;1,5\n"));
+    EXPECT_EQ(o.crossings.at(0).speed, 14.231);
+    const std::string unclear = error(put("other.csv", "screen;block_id;energy_kj\nES1;A;14,231\n"));
+    EXPECT_THAT(unclear, HasSubstr("a comma that could mean thousands"));
+}
+
+// A GIS makes a number with a fraction of a whole one where one is missing.
+TEST_F(ObservationReader, NumbersOfBlocksKeepAllTheirDigits) {
+    VectorSpec spec;
+    spec.layer = "stopping_points";
+    spec.text_field = "remark";
+    spec.number_field = "block_id";
+    spec.rows = {{"POINT(900010 6400010)", "", 20230517001.0}, {"POINT(900011 6400011)", "", 20230517002.0}};
+    const std::string file = (folder_ / "stops.gpkg").string();
+    write_vector(file, spec);
+    const auto o = read(file);
+    ASSERT_EQ(o.stops.size(), 2U);
+    EXPECT_EQ(o.stops[0].body.id, "20230517001");
+    EXPECT_EQ(o.stops[1].body.id, "20230517002");
+}
+
 TEST_F(ObservationReader, UnderstandsDecimalCommasBetweenSemicolons) {
     const auto o = read(put("stops.csv", "easting_m;northing_m;crs\n900010,5;6400020,25;EPSG:2154\n"));
     EXPECT_EQ(o.stops[0].position.head<2>(), Vec2(10.5, 20.25));
@@ -262,6 +296,7 @@ const Fault kFaults[] = {
      "stop_reason 'asleep'"},
     {"AFlagThatIsNone", "easting_m,northing_m,crs,broken\n900010,6400020,EPSG:2154,perhaps\n", "allowed is 0 or 1"},
     {"AShareWithoutBlocks", "name,count,released\n1A,3,\n", "needs the number of blocks thrown"},
+    {"AColumnTwice", "screen,speed_ms,speed_ms\nES1,3,4\n", "has the column 'speed_ms' more than once"},
     {"NothingKnown", "x,y\n1,2\n", "holds neither stops"},
 };
 class ObservationFaults : public ObservationReader, public testing::WithParamInterface<Fault> {};

@@ -10,6 +10,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <ogrsf_frmts.h>
+#include <unistd.h>
 
 #include <cstdlib>
 #include <fstream>
@@ -19,6 +20,7 @@
 namespace scree::gis {
 namespace {
 
+using testing::AllOf;
 using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::IsEmpty;
@@ -222,6 +224,38 @@ TEST(ResultsFolder, FilesOfTheUserSurvive) {
                             "out/results.qgs", "out/run.toml", "out/run.toml.previous"));
     EXPECT_EQ(text_of(dir / "out/run.toml"), "new");
     EXPECT_EQ(text_of(dir / "out/my_map.qgz"), "mine");
+}
+
+// A process that was killed after the swap, with the same number as this one: in a container every run may have it.
+TEST(ResultsFolder, WhatAKilledProcessHadNotHandedBackIsNeverRemoved) {
+    const test::TempDir dir;
+    const fs::path left = dir / ("out.partial-" + std::to_string(::getpid()));
+    fs::create_directory(left);
+    put(left / "notes.md", "mine");
+    write_results(dir / "out", small(), false);
+    EXPECT_EQ(text_of(left / "notes.md"), "mine");
+    EXPECT_EQ(std::distance(fs::directory_iterator(dir.path()), {}), 2);
+}
+
+TEST(ResultsFolder, FilesThatCannotBeHandedBackAreNamed) {
+    const test::TempDir dir;
+    write_results(dir / "out", small(), false);
+    put(dir / "out/notes.md", "mine");
+    fs::create_directory(dir / "out/table.csv");
+    put(dir / "out/table.csv/inside", "mine, in a folder called like a file of the new result");
+    ResultsPackage package = small();
+    package.files = {{"table.csv", "new"}};
+    try {
+        write_results(dir / "out", package, true);
+        FAIL() << "a file cannot hold files";
+    } catch (const ComputeError& error) {
+        EXPECT_THAT(error.what(), AllOf(HasSubstr("the results are there"), HasSubstr("out.partial-")));
+    }
+    EXPECT_EQ(text_of(dir / "out/table.csv"), "new");
+    std::size_t mine = 0;
+    for (const auto& entry : fs::recursive_directory_iterator(dir.path()))
+        mine += entry.is_regular_file() && text_of(entry.path()).starts_with("mine");
+    EXPECT_EQ(mine, 2U) << "nothing is lost";
 }
 
 TEST(ResultsFolder, OtherFoldersAndFilesAreLeftAlone) {

@@ -86,6 +86,10 @@ TEST(BlockList, ValuesAreCheckedWithLineAndText) {
     EXPECT_THAT(test::input_error_of([] { read_block_list("/nowhere/blocks.csv"); }), HasSubstr("does not exist"));
 }
 
+TEST(BlockList, BlankLinesAboveTheHeaderAreNoHeader) {
+    EXPECT_EQ(blocks_of("\n\nblock_id;mass_kg;L1_m;L2_m;L3_m\nA;500,5;0,8;0,600;0,5\n").blocks.at(0).mass, 500.5);
+}
+
 TEST(BlockList, OtherEncodingsAreSaidOnce) {
     const BlockList list = blocks_of(kHeader +
                                      "Bl\xF6"

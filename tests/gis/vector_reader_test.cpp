@@ -72,6 +72,23 @@ TEST(VectorReader, RingsComeOutInOneForm) {
     EXPECT_THAT(data.report.warnings, IsEmpty());
 }
 
+// Results are in UTF-8, whatever an input without a statement of its encoding holds.
+TEST(VectorReader, TextThatIsNotUtf8IsTakenAsLatin1AndSaid) {
+    VectorSpec spec;
+    spec.rows = {{square(10, 10),
+                  "M\xFC"
+                  "hle",
+                  1.0},
+                 {square(40, 40),
+                  "Stra\xDF"
+                  "e",
+                  1.0}};
+    const VectorData data = written_and_read(spec);
+    EXPECT_EQ(std::get<std::string>(data.layer.features.at(0).values.at(0)), "Mühle");
+    EXPECT_EQ(std::get<std::string>(data.layer.features.at(1).values.at(0)), "Straße");
+    EXPECT_THAT(data.report.warnings, ElementsAre(HasSubstr("ISO-8859-1"))) << "said once";
+}
+
 TEST(VectorReader, KeepsHeightsOfPointsAndLinesAndDropsMeasures) {
     VectorSpec spec;
     spec.rows = {{"LINESTRING ZM (900000 6400000 1010 1, 900000 6400000 1011 2, 900005 6400005 1012 3)", "", {}},
