@@ -29,6 +29,17 @@ std::string without_folders(std::string warning, const SiteFile& site, const std
 
 }  // namespace
 
+void add_inputs(std::vector<gis::ProvenanceEntry>& account, const SiteFile& site,
+                const std::vector<gis::InputFile>& files) {
+    for (const gis::InputFile& file : files)
+        account.push_back({"sha256 " + fs::path(file.path).filename().string(), file.sha256});
+    SiteSettings portable = site.settings;
+    portable.output_directory.clear();
+    account.push_back({"settings", settings_as_toml(portable, [](const std::string& path) {
+                           return fs::path(path).filename().string();
+                       })});
+}
+
 std::vector<gis::ProvenanceEntry> provenance(const SiteFile& site, const SiteModel& model,
                                              const CampaignResult& result) {
     std::vector<gis::ProvenanceEntry> p;
@@ -58,13 +69,7 @@ std::vector<gis::ProvenanceEntry> provenance(const SiteFile& site, const SiteMod
         p.push_back({"breaks_of_blocks", std::to_string(c.breaks)});
     }
     p.push_back({"quantile_error", short_number(kQuantileError) + " relative"});
-    for (const gis::InputFile& file : model.files)
-        p.push_back({"sha256 " + fs::path(file.path).filename().string(), file.sha256});
-    SiteSettings portable = site.settings;
-    portable.output_directory.clear();
-    p.push_back({"settings", settings_as_toml(portable, [](const std::string& path) {
-                     return fs::path(path).filename().string();
-                 })});
+    add_inputs(p, site, model.files);
     for (std::size_t k = 0; k < model.warnings.size(); ++k)
         p.push_back({"warning_" + std::to_string(k + 1), without_folders(model.warnings[k], site, model.files)});
     return p;

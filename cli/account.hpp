@@ -2,6 +2,7 @@
 #pragma once
 
 #include "cli/site_model.hpp"
+#include "gis/dataset.hpp"
 #include "gis/layers.hpp"
 #include "scree/ensemble/campaign.hpp"
 
@@ -14,6 +15,10 @@ namespace scree::cli {
 /// Everything that says how a result came about, without paths of a machine or times: two runs of one site give the same bytes.
 std::vector<gis::ProvenanceEntry> provenance(const SiteFile& site, const SiteModel& model,
                                              const CampaignResult& result);
+
+/// The hashes of what was read, and the settings, with files by their names.
+void add_inputs(std::vector<gis::ProvenanceEntry>& account, const SiteFile& site,
+                const std::vector<gis::InputFile>& files);
 
 /// Settings of a site as a site file in `folder`, to which its paths lead.
 std::string settings_from(const SiteFile& site, const SiteSettings& settings, const std::filesystem::path& folder);

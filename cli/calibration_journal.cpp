@@ -47,6 +47,8 @@ CalibrationEvaluation evaluation_of(const Json& json) {
 
 JournalFile::JournalFile(std::filesystem::path file, const std::string& subject, bool resume) : file_(std::move(file)) {
     if (resume) read(subject);
+    std::error_code ignored;  // what matters is whether it can be written then
+    if (file_.has_parent_path()) std::filesystem::create_directories(file_.parent_path(), ignored);
     // written anew: a last line that was cut short disappears
     out_.open(file_, std::ios::binary | std::ios::trunc);
     out_ << subject << "\n";

@@ -260,7 +260,10 @@ gis::VectorLayer deposit_zones(const SiteModel& model, const CampaignResult& res
         Feature f;
         f.id = static_cast<std::int64_t>(z) + 1;
         f.geometry = model.deposit_zones->layer.features[z].geometry;
-        if (model.in_plane()) f.geometry = stretches_in(model, std::get<MultiPolygon>(f.geometry));
+        if (model.in_plane()) {
+            Polylines inside = stretches_in(model, std::get<MultiPolygon>(f.geometry));
+            f.geometry = inside.empty() ? Geometry() : std::move(inside);  // a zone that no profile meets
+        }
         const double share = result.released > 0
                                  ? static_cast<double>(result.deposits[z].count) / static_cast<double>(result.released)
                                  : 0.0;

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include "cli/account.hpp"
 #include "cli/campaign_layers.hpp"
 #include "cli/commands.hpp"
 #include "cli/profile_layers.hpp"
@@ -103,22 +104,13 @@ std::vector<gis::ProvenanceEntry> provenance(const SiteFile& site, const SiteTer
                                            {"surface", terrain.surface_report},
                                            {"profiles", std::to_string(profiles.traces.size())},
                                            {"profiles_left_out", std::to_string(profiles.left_out)}};
-    for (const gis::InputFile& file : files)
-        p.push_back({"sha256 " + fs::path(file.path).filename().string(), file.sha256});
-    SiteSettings portable = site.settings;
-    portable.output_directory.clear();
-    p.push_back({"settings", settings_as_toml(portable, [](const std::string& path) {
-                     return fs::path(path).filename().string();
-                 })});
+    add_inputs(p, site, files);
     return p;
 }
 
 /// What has been read, in that order.
-std::vector<gis::InputFile> files_read(const SiteFile& site, const SiteProfiles& profiles) {
-    const SiteSettings& s = site.settings;
-    std::vector<std::string> inputs;
-    for (const std::string& path : {s.dtm, s.zones.file, s.breaklines.file})
-        if (!path.empty()) inputs.push_back(site.resolve(path).string());
+std::vector<gis::InputFile> files_read(const SiteFile& site, const SiteTerrain& terrain, const SiteProfiles& profiles) {
+    std::vector<std::string> inputs = terrain_inputs(site, terrain);
     inputs.insert(inputs.end(), profiles.inputs.begin(), profiles.inputs.end());
     return gis::input_files(inputs);
 }
@@ -134,8 +126,9 @@ ExitCode run_profile(const Context& context) {
     const SiteTerrain terrain = load_terrain(site);
     SiteProfiles profiles = trace_site_profiles(site, terrain);
     const Surroundings around = read_surroundings(site, terrain, profiles);
-    const std::vector<gis::InputFile> files = files_read(site, profiles);
+    const std::vector<gis::InputFile> files = files_read(site, terrain, profiles);
     std::vector<std::string> warnings = terrain.data.warnings();
+    warnings.insert(warnings.end(), terrain.effect_warnings.begin(), terrain.effect_warnings.end());
     warnings.insert(warnings.end(), profiles.warnings.begin(), profiles.warnings.end());
     print_warnings(context, warnings);
 

@@ -140,6 +140,15 @@ ExitCode run_run(const Context& context) {
         *context.err
             << "warning: " << failed << " of " << result.released
             << " trajectories failed in the computation; they count in no map, and stopping_points shows where\n";
+    const auto warn_of = [&](StopReason reason, const char* what, const char* remedy) {
+        constexpr double kMany = 0.05;  // of the blocks
+        const std::int64_t count = result.reasons[static_cast<std::size_t>(reason)];
+        if (static_cast<double>(count) > kMany * static_cast<double>(result.released))
+            *context.err << "warning: " << count << " of " << result.released << " blocks " << what
+                         << ": how far they run and what they would pass is unknown; " << remedy << "\n";
+    };
+    warn_of(StopReason::LeftTerrain, "left the terrain", "enlarge the DTM, or fill its holes");
+    warn_of(StopReason::TimeLimit, "were still moving at the time limit", "raise model.time_limit");
     if (!result.interrupted) return ExitCode::Done;
     *context.err << "interrupted: " << result.released << " of " << model.campaign.release.count
                  << " blocks were thrown and are written; the results say so\n";

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include "cli/account.hpp"
 #include "cli/campaign_layers.hpp"
 #include "cli/commands.hpp"
 #include "cli/settings.hpp"
@@ -74,7 +75,9 @@ ExitCode run_terrain(const Context& context) {
     gis::require_free_results_folder(folder, context.overwrite);
     warn_of_partial_results(context, folder);
     const SiteTerrain terrain = load_terrain(site);
+    const std::vector<gis::InputFile> inputs = gis::input_files(terrain_inputs(site, terrain));
     print_warnings(context, terrain.data.warnings());
+    print_warnings(context, terrain.effect_warnings);  // a berm raises this ground
 
     gis::ResultsPackage package;
     package.frame = terrain.data.frame;
@@ -87,6 +90,7 @@ ExitCode run_terrain(const Context& context) {
     package.rasters = {slope_layer(terrain), heights_layer(terrain)};
     package.provenance = {
         {"program", "scree " + version()}, {"site", site.settings.name}, {"surface", terrain.surface_report}};
+    add_inputs(package.provenance, site, inputs);
     gis::write_results(folder, package, context.overwrite);
     if (!context.quiet)
         *context.out << terrain.surface_report << "\nterrain        " << (folder / "results.gpkg").string() << "\n";

@@ -42,7 +42,7 @@ struct Context {
     /// Folder of the results of this site, without a slash at the end: what stands beside it has its name and more.
     std::filesystem::path results_folder(const SiteFile& site) const {
         const std::filesystem::path folder =
-            output.empty() ? site.resolve(site.settings.output_directory) : std::filesystem::path(output);
+            output.empty() ? site.beside(site.settings.output_directory) : std::filesystem::path(output);
         return folder.has_filename() ? folder : folder.parent_path();
     }
 };

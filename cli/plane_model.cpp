@@ -133,8 +133,8 @@ std::vector<std::pair<std::string, double>> parse_chainages(const std::string& t
                           number = equals == std::string::npos ? "" : trimmed(item.substr(equals + 1));
         double s = 0.0;
         const auto [rest, error] = std::from_chars(number.data(), number.data() + number.size(), s);
-        if (name.empty() || error != std::errc() || rest != number.data() + number.size() || !std::isfinite(s) ||
-            s < 0.0)
+        if (name.empty() || name.find_first_of("=;") != std::string::npos || error != std::errc() ||
+            rest != number.data() + number.size() || !std::isfinite(s) || s < 0.0)
             throw InputError("screens.chainages: \"" + item +
                              "\" is no screen: write NAME = CHAINAGE in metres from the upper end of the profiles, "
                              "separated by commas, such as \"ES1 = 39.5, ES2 = 48.5\"");

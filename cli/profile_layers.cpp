@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "cli/profile_layers.hpp"
 
+#include "cli/text.hpp"
 #include "gis/words.hpp"
 #include "scree/base/units.hpp"
 
@@ -167,11 +168,6 @@ std::vector<gis::VectorLayer> profile_layers(const SiteProfiles& profiles, const
 
 std::string profiles_csv(const SiteProfiles& profiles, const SiteTerrain& terrain) {
     std::string text = "profile,s_m,easting_m,northing_m,height_m,soil,course\n";
-    const auto quoted = [](const std::string& name) {
-        std::string out = "\"";
-        for (const char c : name) out += c == '"' ? std::string("\"\"") : std::string(1, c);
-        return out + "\"";
-    };
     for (std::size_t n = 0; n < profiles.traces.size(); ++n) {
         const ProfileTrace& trace = profiles.traces[n];
         const Profile& p = trace.profile;
@@ -182,7 +178,7 @@ std::string profiles_csv(const SiteProfiles& profiles, const SiteTerrain& terrai
                 text += "," + gis::fixed(value, kMicrometres);
             // the last vertex begins no reach
             if (k < p.reach_count())
-                text += "," + quoted(terrain.data.soils.soils[p.soil[k]]) + "," +
+                text += "," + csv_cell(terrain.data.soils.soils[p.soil[k]]) + "," +
                         kCourseNames[static_cast<std::size_t>(trace.course[k])] + "\n";
             else
                 text += ",,\n";

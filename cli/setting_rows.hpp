@@ -19,6 +19,7 @@ struct Range {
 };
 inline constexpr Range kPositive{0.0, std::numeric_limits<double>::infinity(), false};
 inline constexpr Range kNotNegative{0.0};
+inline constexpr Range kVolumes{1e-6, 1e6};  ///< of blocks: a pebble, a hill [m^3]
 
 /// "a number from 0 to 1"
 std::string range_text(const Range& range, const char* noun);

@@ -75,12 +75,12 @@ void add_blocks(std::vector<Setting<SiteSettings>>& keys) {
         blocks.choice("volume_law", kVolumeLawNames, AT(distribution.law),
                       "How volumes are spread when there is no list. In 2D a volume gives the L1, L2 that a 3D "
                       "block of it has in the mean."));
-    keys.push_back(blocks.number("volume", "m3", kPositive, AT(distribution.volume),
+    keys.push_back(blocks.number("volume", "m3", kVolumes, AT(distribution.volume),
                                  "constant: the volume of every block. log_normal: the median."));
-    keys.push_back(blocks.number("volume_min", "m3", kPositive, AT(distribution.volume_min),
-                                 "Smallest volume of the other laws."));
     keys.push_back(
-        blocks.number("volume_max", "m3", kPositive, AT(distribution.volume_max), "Largest volume of the other laws."));
+        blocks.number("volume_min", "m3", kVolumes, AT(distribution.volume_min), "Smallest volume of the other laws."));
+    keys.push_back(
+        blocks.number("volume_max", "m3", kVolumes, AT(distribution.volume_max), "Largest volume of the other laws."));
     keys.push_back(blocks.number("volume_sigma", "-", kPositive, AT(distribution.sigma),
                                  "log_normal: standard deviation of ln(volume)."));
     keys.push_back(blocks.number("volume_exponent", "-", kPositive, AT(distribution.exponent),
@@ -149,11 +149,12 @@ void add_model(std::vector<Setting<SiteSettings>>& keys) {
                      "A contact closes at this gap. Larger merges contacts that should act one after the other."));
     keys.push_back(model.number("release_gap", "m", {1e-6, 1e-1}, AT(dynamics.release_gap),
                                 "A closed contact opens beyond this gap. Smaller lets sliding blocks chatter."));
-    keys.push_back(model.number("impact_speed", "m/s", {1e-3, 1}, AT(dynamics.impact_speed),
-                                "event: a faster approach is an impact that takes no time."));
     keys.push_back(
-        model.number("restitution_threshold", "m/s", {0, 2}, AT(dynamics.restitution_threshold),
-                     "event: a slower normal approach does not bounce. Smaller makes endless small bounces."));
+        model.number("impact_speed", "m/s", {1e-3, 1}, AT(dynamics.impact_speed),
+                     "event: a faster approach is an impact that takes no time; a slower one never bounces."));
+    keys.push_back(model.number("restitution_threshold", "m/s", {0, 2}, AT(dynamics.restitution_threshold),
+                                "event: a slower normal approach does not bounce, nor does one below "
+                                "model.impact_speed. Smaller makes endless small bounces."));
     keys.push_back(model.number("flight_step", "s", {1e-4, 0.05}, AT(dynamics.flight_step),
                                 "Longest step of the rotation in flight; the path of the centre of mass is exact."));
     keys.push_back(model.number("rest_head", "m", {1e-9, 1e-2}, AT(dynamics.rest_head),

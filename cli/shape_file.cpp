@@ -40,8 +40,12 @@ std::vector<Vec3> read_text_points(const std::string& text, const std::string& e
     std::istringstream in(text);
     std::string line;
     for (std::size_t number = 1; std::getline(in, line); ++number) {
+        const bool decimal_comma = line.find_first_of(";\t") != std::string::npos;
         for (char& c : line)
-            if (c == ',' || c == ';') c = ' ';
+            if (c == ',')
+                c = decimal_comma ? '.' : ' ';
+            else if (c == ';')
+                c = ' ';
         std::istringstream words(line);
         std::string first;
         if (!keyword.empty()) {
@@ -50,7 +54,8 @@ std::vector<Vec3> read_text_points(const std::string& text, const std::string& e
             continue;
         }
         Vec3 p;
-        if (!(words >> p.x() >> p.y() >> p.z()) || !p.allFinite())
+        std::string more;
+        if (!(words >> p.x() >> p.y() >> p.z()) || !p.allFinite() || (keyword.empty() && words >> more))
             throw InputError(file + ":" + std::to_string(number) + ": \"" + line +
                              "\" is no point: give three finite numbers x y z [m]");
         points.push_back(p);
@@ -69,9 +74,10 @@ std::vector<Vec3> read_shape_points(const std::filesystem::path& file) {
     std::ostringstream buffer;
     buffer << in.rdbuf();
     const std::string text = buffer.str();
-    const std::vector<Vec3> points = file.extension() == ".stl" && is_binary_stl(text)
-                                         ? read_binary_stl(text)
-                                         : read_text_points(text, file.extension().string(), file.string());
+    std::string kind = file.extension().string();
+    for (char& c : kind) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+    const std::vector<Vec3> points =
+        kind == ".stl" && is_binary_stl(text) ? read_binary_stl(text) : read_text_points(text, kind, file.string());
     if (points.size() < 4)
         throw InputError(file.string() + " holds " + std::to_string(points.size()) +
                          " points; a block needs at least 4 (x y z per line, OBJ or STL)");

@@ -266,10 +266,14 @@ bool SiteFile::is_gdal_name(const std::string& path) const {
 }
 
 std::filesystem::path SiteFile::resolve(const std::string& path) const {
+    return is_gdal_name(path) ? std::filesystem::path(path) : beside(path);
+}
+
+std::filesystem::path SiteFile::beside(const std::string& path) const {
     namespace fs = std::filesystem;
     const fs::path p(path), joined = folder / p, plain = joined.lexically_normal();
     std::error_code ignored;
-    if (p.is_absolute() || is_gdal_name(path)) return p;
+    if (p.is_absolute()) return p;
     // where a link stands before "..", the way through it leads elsewhere
     return fs::weakly_canonical(joined, ignored) == fs::weakly_canonical(plain, ignored) ? plain : joined;
 }
@@ -314,18 +318,22 @@ std::vector<std::size_t> entries_meant(std::string_view which, const std::vector
         if (one == "*" || one == names[number]) return true;
         return one == std::to_string(number) && std::find(names.begin(), names.end(), one) == names.end();
     };
-    std::vector<std::size_t> meant;
-    for (std::size_t i = 0; i < names.size(); ++i) {
-        bool found = which == names[i];  // which may have a | in it
-        for (std::string_view rest = which; !found;) {
-            const auto bar = rest.find('|');
-            found = means(rest.substr(0, bar), i);
-            if (bar == std::string_view::npos) break;
-            rest.remove_prefix(bar + 1);
+    std::set<std::size_t> meant;
+    for (std::size_t i = 0; i < names.size(); ++i)
+        if (which == names[i]) meant.insert(i);  // which may have a | in it
+    for (std::string_view rest = which; meant.empty() || rest.size() < which.size();) {
+        const auto bar = rest.find('|');
+        bool any = false;
+        for (std::size_t i = 0; i < names.size(); ++i) {
+            if (!means(rest.substr(0, bar), i)) continue;
+            any = true;
+            meant.insert(i);
         }
-        if (found) meant.push_back(i);
+        if (!any) return {};  // the others alone are not what is wanted
+        if (bar == std::string_view::npos) break;
+        rest.remove_prefix(bar + 1);
     }
-    return meant;
+    return {meant.begin(), meant.end()};
 }
 
 std::vector<std::string> names_of(const std::vector<Soil>& soils) {

@@ -20,6 +20,8 @@ struct SiteFile {
     bool is_gdal_name(const std::string& path) const;
     /// A path of the settings as it is opened; names of GDAL are left as they are.
     std::filesystem::path resolve(const std::string& path) const;
+    /// The same of what is made, where a colon is a colon.
+    std::filesystem::path beside(const std::string& path) const;
 };
 
 /// Reads a site file and applies `--set key=value` changes. Throws InputError that names file, line, key, value and what is allowed; unknown keys
@@ -27,7 +29,7 @@ struct SiteFile {
 SiteFile read_site_file(const std::filesystem::path& file, const std::vector<std::string>& changes);
 
 /// Which entries WHICH of soil.WHICH.key or effect.WHICH.key means, counted from 0: by their names (of effects: kinds), by numbers that are no name, several
-/// with | between them, or * for all.
+/// with | between them, or * for all. Empty if one of them is nothing.
 std::vector<std::size_t> entries_meant(std::string_view which, const std::vector<std::string>& names);
 std::vector<std::string> names_of(const std::vector<Soil>& soils);
 std::vector<std::string> names_of(const std::vector<EffectSettings>& effects);

@@ -174,12 +174,23 @@ static void require_screens_of_effects(const SiteFile& site, const CampaignInput
     }
 }
 
+/// Longest step of the paper's scheme that is used without a word [s].
+static constexpr double kMoreauJeanStep = 2e-3;
+
 SiteModel load_site(const SiteFile& site) {
     const SiteSettings& s = site.settings;
     SiteModel model;
     model.terrain = load_terrain(site);
     model.warnings = model.terrain.data.warnings();
     append(model.warnings, model.terrain.effect_warnings);
+    if (s.dynamics.mode == SteppingMode::MoreauJean && s.dynamics.time_step > kMoreauJeanStep)
+        model.warnings.push_back(
+            "model.mode = \"moreau_jean\" with model.time_step = " + short_number(s.dynamics.time_step) +
+            " s: its runouts depend on the step, and the paper's is 0.001 s");
+    if (s.dimension == 3 && !s.screen_chainages.empty())
+        model.warnings.emplace_back(
+            "screens.chainages are places along a profile, and in 3D there is none: those screens do not stand; "
+            "draw them, and give screens.file");
     model.inputs.push_back(site.resolve(s.dtm).string());
     if (!s.zones.file.empty()) model.inputs.push_back(site.resolve(s.zones.file).string());
     if (!s.breaklines.file.empty()) model.inputs.push_back(site.resolve(s.breaklines.file).string());

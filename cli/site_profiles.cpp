@@ -4,6 +4,7 @@
 #include "scree/base/error.hpp"
 #include "scree/base/units.hpp"
 
+#include <cmath>
 #include <utility>
 
 namespace scree::cli {
@@ -57,6 +58,20 @@ void trace_from_starts(const SiteSettings& s, const SiteTerrain& terrain, Profil
                                "lie on level ground, which has no direction to go: no profile begins there");
 }
 
+/// Blocks go down a line from its first point. One that was drawn the other way round would have them run backwards.
+void require_downhill(const Profile& drawn, const std::string& which, std::vector<std::string>& warnings) {
+    constexpr double kUphill = 0.2;  // of what such a line rises it falls less [-]
+    double up = 0.0, down = 0.0;
+    for (std::size_t k = 1; k < drawn.vertex_count(); ++k)
+        (drawn.z[k] > drawn.z[k - 1] ? up : down) += std::abs(drawn.z[k] - drawn.z[k - 1]);
+    if (up <= down) return;
+    const std::string rises =
+        which + ": the line ends " + std::to_string(std::lround(up - down)) + " m higher than it begins";
+    if (down < kUphill * up)
+        throw InputError(rises + ", but lines are drawn downhill: turn it round (in QGIS with Reverse line direction)");
+    warnings.push_back(rises + ": lines are drawn downhill; turn it round if this one was drawn uphill");
+}
+
 /// Lines along guides.
 void trace_guides(const SiteSettings& s, const SiteTerrain& terrain, ProfileTracer& tracer, SiteProfiles& out) {
     std::size_t count = 0;
@@ -76,6 +91,7 @@ void trace_guides(const SiteSettings& s, const SiteTerrain& terrain, ProfileTrac
                 throw InputError(which +
                                  ": no profile can be led along this line: it has no length, or the ground is level "
                                  "at its first point");
+            require_downhill(tracer.along(plan).profile, which, out.warnings);
             if (s.profile_mode == ProfileMode::Line && trace.end != ProfileEnd::LineEnd)
                 out.warnings.push_back(which + ": the line leaves the terrain at s = " +
                                        std::to_string(static_cast<int>(trace.profile.length())) +

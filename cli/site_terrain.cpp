@@ -53,6 +53,15 @@ SiteTerrain load_terrain(const SiteFile& site) {
     return terrain;
 }
 
+std::vector<std::string> terrain_inputs(const SiteFile& site, const SiteTerrain& terrain) {
+    const SiteSettings& s = site.settings;
+    std::vector<std::string> inputs;
+    for (const std::string& path : {s.dtm, s.zones.file, s.breaklines.file})
+        if (!path.empty()) inputs.push_back(site.resolve(path).string());
+    inputs.insert(inputs.end(), terrain.effect_inputs.begin(), terrain.effect_inputs.end());
+    return inputs;
+}
+
 gis::VectorData read_site_layer(const SiteFile& site, const VectorInput& input, const char* purpose,
                                 std::vector<GeometryKind> kinds, const SiteTerrain& terrain) {
     gis::VectorSource source;

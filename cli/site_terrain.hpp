@@ -23,6 +23,8 @@ struct SiteTerrain {
 };
 
 SiteTerrain load_terrain(const SiteFile& site);
+/// The files that it was made of.
+std::vector<std::string> terrain_inputs(const SiteFile& site, const SiteTerrain& terrain);
 
 /// The [[effect]]s of a site with their places, checked; raises berms in the terrain's heights. Fills effects, effect_inputs, effect_warnings.
 void load_effects(const SiteFile& site, SiteTerrain& terrain);

@@ -156,9 +156,8 @@ std::string sweep_csv(const SweepStudy& study) {
     std::ostringstream out;
     out << "key,value,blocks_per_set,gap_to_site,gap_to_site_low,gap_to_site_high,told_apart_share,gap_to_test";
     for (const SweepMeasure& m : study.measures) {
-        std::string name = m.name + " " + m.unit;
-        std::replace(name.begin(), name.end(), ',', ' ');
-        for (const char* what : {"mean", "deviation", "low", "high"}) out << "," << name << " " << what;
+        const std::string name = m.name + " " + m.unit;
+        for (const char* what : {"mean", "deviation", "low", "high"}) out << "," << csv_cell(name + " " + what);
     }
     out << "\n";
     const auto number = [&](double v) {
@@ -166,7 +165,7 @@ std::string sweep_csv(const SweepStudy& study) {
         if (std::isfinite(v)) out << v;
     };
     for (const SweepValue* v : rows_of(study)) {
-        out << v->key << "," << v->value << "," << v->blocks;
+        out << csv_cell(v->key) << "," << csv_cell(v->value) << "," << v->blocks;
         for (const double n : {v->influence.mean, v->influence.low, v->influence.high, v->told_apart, v->gap})
             number(n);
         for (const SetSpread& s : v->measures)

@@ -10,6 +10,12 @@
 
 namespace scree::cli {
 
+std::string csv_cell(const std::string& text) {
+    std::string out = "\"";
+    for (const char c : text) out += c == '"' ? std::string("\"\"") : std::string(1, c);
+    return out + "\"";
+}
+
 std::string short_number(double value) {
     std::ostringstream s;
     s << std::setprecision(3) << value;

@@ -13,6 +13,9 @@ namespace scree::cli {
 
 /// Three significant digits.
 std::string short_number(double value);
+
+/// A text as a cell of a table with commas between its cells, quoted.
+std::string csv_cell(const std::string& text);
 /// "0.953", "< 0.001" (of what underflows to 0 as well).
 std::string weight_text(double weight);
 /// "12.5 %".

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // `scree calibrate` and `scree sweep` on quarry_a in 2D, against field tests that scree made itself with another ground: what they find, what they write,
 // how a calibration goes on, and what is refused. Budgets are small: that they find it at the stated rate is for verification/calibration_test.cpp.
+#include "cli/calibration_journal.hpp"
 #include "cli/program.hpp"
 #include "cli/results.hpp"
 #include "cli/site_file.hpp"
@@ -249,6 +250,13 @@ TEST(Sweep, TellsApartWhatMattersFromWhatDoesNot) {
     for (const char* name : {"report.html", "sweep.csv", "figures/sweep.svg", "results.gpkg"})
         EXPECT_TRUE(fs::exists(out / name)) << name;
     EXPECT_THAT(text_of(out / "figures" / "sweep.svg"), Not(HasSubstr("nan")));
+}
+
+// Results may go where no folder is yet, and the journal stands beside them.
+TEST(Calibrate, TheJournalMakesItsFolder) {
+    const TempDir folder;
+    const cli::JournalFile journal(folder / "new" / "out.journal.jsonl", "subject", false);
+    EXPECT_TRUE(fs::exists(folder / "new" / "out.journal.jsonl"));
 }
 
 TEST(Sweep, RefusesBeforeAnythingIsComputed) {

@@ -15,6 +15,7 @@
 
 #include <algorithm>
 #include <atomic>
+#include <cmath>
 #include <fstream>
 
 namespace scree::test {
@@ -160,6 +161,13 @@ TEST(EffectRun, EveryPhysicalEffectAndTheRunAgain) {
     const Outcome run = scree_program({"run", site, "--set", "release.count=12", "--threads", "1"});
     ASSERT_EQ(run.code, 0) << run.err;
     EXPECT_THAT(run.err, HasSubstr("crest"));  // the berm is narrow for cells of 1 m: said, not refused
+    for (const char* command : {"terrain", "profile"}) {
+        const fs::path out = folder / command;
+        const Outcome shown = scree_program({command, site, "--output", out.string()});
+        ASSERT_EQ(shown.code, 0) << shown.err;
+        EXPECT_THAT(shown.err, HasSubstr("crest")) << command << ": the berm is part of this ground";
+        EXPECT_THAT(text_of(out / "results.gpkg"), HasSubstr("sha256 screens.gpkg")) << command;
+    }
     const Outcome again = scree_program(
         {"run", (folder / "out/run.toml").string(), "--output", (folder / "again").string(), "--threads", "2"});
     ASSERT_EQ(again.code, 0) << again.err;
@@ -247,6 +255,17 @@ TEST(OwnLaw, IsAnEffectLikeOthers) {
                 testing::ContainerEq(rolling));
     EXPECT_NE(drag, rolling);
     EXPECT_THAT(text_of(folder / "own drag" / "run.toml"), HasSubstr("library = "));
+}
+
+// Dust would bounce for ever: pieces of pieces end at 5 cm.
+TEST(Fragmentation, EndsWithPiecesOfFiveCentimetres) {
+    const TempDir folder;
+    const std::string site =
+        quarry_with(folder.path(), "[[effect]]\nkind = \"fragmentation\"\nspeed = 0.5\nshare = 0.1\nmost = 100\n");
+    const Outcome run = scree_program({"run", site, "--set", "release.count=4", "--set", "model.dimension=2"});
+    ASSERT_EQ(run.code, 0) << run.err;
+    for (const PointRow& row : read_points(folder / "out/results.gpkg", "stopping_points"))
+        EXPECT_GE(row.number("l1_m") * std::cbrt(row.number("mass_left_kg") / row.number("mass_kg")), 0.05);
 }
 
 TEST(OwnLaw, RefusesWhatIsNone) {

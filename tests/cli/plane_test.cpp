@@ -46,6 +46,38 @@ Outcome check_2d(const std::vector<std::string>& changes) {
     return scree_program(args);
 }
 
+// It was found out when all was computed, and all was lost.
+TEST(Plane, ADepositZoneThatNoProfileMeetsIsEmpty) {
+    const TempDir folder;
+    VectorSpec zones;
+    zones.text_field = "name";
+    zones.rows = {
+        {"POLYGON((890000 6670000,890160 6670000,890160 6670015,890000 6670015,890000 6670000))", "beside", 1.0}};
+    write_vector((folder / "zones.gpkg").string(), zones);
+    const Outcome run = run_2d(folder / "out", {"deposit_zones.file=" + (folder / "zones.gpkg").string()});
+    ASSERT_EQ(run.code, 0) << run.err;
+    EXPECT_THAT(run.err, HasSubstr("deposit zone beside lies on no profile"));
+    EXPECT_THAT(run.out, HasSubstr("beside: 0 %"));
+}
+
+// What nobody knows of a block is not told in silence.
+TEST(Run, SaysThatManyBlocksLeftOrWereStillMoving) {
+    const TempDir folder;
+    const Outcome late = run_2d(folder / "late", {"model.time_limit=1"});
+    ASSERT_EQ(late.code, 0);
+    EXPECT_THAT(late.err, HasSubstr("20 of 20 blocks were still moving at the time limit"));
+    EXPECT_THAT(run_2d(folder / "usual").err, Not(HasSubstr(" of 20 blocks ")));
+}
+
+TEST(Plane, WarnsOfWhatDoesNotSuitTheMode) {
+    EXPECT_THAT(check_2d({"model.mode=moreau_jean"}).err, HasSubstr("the paper's is 0.001 s"));
+    EXPECT_THAT(check_2d({"model.mode=moreau_jean", "model.time_step=1e-3"}).err, Not(HasSubstr("the paper's is")));
+    EXPECT_THAT(check_2d({"screens.file=", "screens.chainages=A = 3"}).err, Not(HasSubstr("places along a profile")));
+    EXPECT_THAT(check_2d({"screens.file=", "screens.chainages=A = 3", "model.dimension=3"}).err,
+                HasSubstr("places along a profile"));
+    EXPECT_THAT(check_2d({"screens.file=", "screens.chainages=A=3;B=4"}).err, HasSubstr("\"A=3;B=4\" is no screen"));
+}
+
 /// Rows of profile_curves.csv, by column.
 std::vector<std::map<std::string, std::string>> curves_of(const fs::path& folder) {
     std::istringstream in(text_of(folder / "profile_curves.csv"));

@@ -2,6 +2,9 @@
 // `scree run` and `scree terrain` on quarry_a with few blocks: what is written, and that it is the same whenever it should be.
 #include "cli/program.hpp"
 #include "cli/results.hpp"
+#include "cli/site_file.hpp"
+#include "cli/site_model.hpp"
+#include "scree/base/error.hpp"
 #include "scree/dynamics/contact_problem_file.hpp"
 #include "support/paths.hpp"
 
@@ -221,6 +224,28 @@ TEST(Run, LeavesResultsAloneUnlessTold) {
     const Outcome foreign = run_quarry_a(folder / "photos", {"--overwrite"});
     EXPECT_EQ(foreign.code, 3);
     EXPECT_EQ(contents_of(folder / "photos").size(), 1U);
+}
+
+// A scan saved where the comma is the decimal point.
+TEST(ShapeFile, ReadsDecimalCommasAndRefusesWhatIsNoPoint) {
+    const TempDir folder;
+    put(folder / "shape.txt", "0;0;0\n1,5;0;0\n0;1,25;0\n0;0;-0,75\n");
+    const std::vector<Vec3> points = cli::read_shape_points(folder / "shape.txt");
+    ASSERT_EQ(points.size(), 4U);
+    EXPECT_EQ(points[1], Vec3(1.5, 0, 0));
+    EXPECT_EQ(points[3], Vec3(0, 0, -0.75));
+    put(folder / "points.txt", "0,0,0\n1.5,0,0\n0,1.25,0\n0,0,-0.75\n");
+    EXPECT_EQ(cli::read_shape_points(folder / "points.txt"), points);
+    put(folder / "unclear.txt", "0 0 0\n1,5 0,0 0,0\n0 1,25 0\n0 0 -0,75\n");
+    EXPECT_THROW(cli::read_shape_points(folder / "unclear.txt"), InputError) << "six numbers are no point";
+    put(folder / "SCAN.OBJ", "v 0 0 0\nv 1.5 0 0\nv 0 1.25 0\nv 0 0 -0.75\nvn 0 0 1\n");
+    EXPECT_EQ(cli::read_shape_points(folder / "SCAN.OBJ"), points);
+}
+
+// A colon belongs to names of GDAL where something is read; what is written is a path.
+TEST(Run, AFolderWithAColonLiesBesideTheSite) {
+    const cli::SiteFile site = cli::read_site_file(quarry_a() / "site.toml", {"output.directory=run 12:30"});
+    EXPECT_EQ(site.beside(site.settings.output_directory), quarry_a() / "run 12:30");
 }
 
 TEST(Run, NamesWhatAKilledRunLeftBehind) {
