@@ -158,6 +158,12 @@ std::vector<std::string> calibration_remarks(const CalibrationReport& r) {
             "the quadratic around the best point explains " + short_number(100.0 * r.result.surroundings.explained) +
             " % of the losses there: mostly noise; more calibration.repeats or calibration.surroundings help");
     if (r.result.held_out_was_seen()) remarks.push_back(held_out_remark("the calibration"));
+    if (r.after_study.overall.gap > r.before_study.overall.gap)
+        remarks.push_back(
+            "as a whole the calibrated model is farther from the measurements (gap " +
+            gap_number(r.after_study.overall.gap) + ") than the site was (" + gap_number(r.before_study.overall.gap) +
+            "): a longer search, or measurements that say less than chance does; keep the values that you "
+            "have reasons for");
     if (r.after_study.overall.beyond_chance())
         remarks.push_back(
             "the calibrated model is still beyond chance: something else than the free parameters is missing or wrong");

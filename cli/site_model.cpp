@@ -217,6 +217,12 @@ SiteModel load_site(const SiteFile& site) {
         append(model.warnings, model.deposit_zones->report.warnings);
         model.inputs.push_back(site.resolve(s.deposit_zones.file).string());
         c.deposit_zones = make_deposit_zones(*model.deposit_zones, s.deposit_zones.field);
+        std::set<std::string> names, twice;
+        for (const DepositZone& zone : c.deposit_zones)
+            if (!names.insert(zone.name).second) twice.insert(zone.name);
+        for (const std::string& name : twice)
+            model.warnings.push_back("there are several deposit zones called '" + name +
+                                     "': measurements by name mean all of them; give each a name of its own");
     }
     c.effects = model.terrain.effects;
     apply_parameters(site, c);

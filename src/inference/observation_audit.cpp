@@ -4,6 +4,7 @@
 #include "scree/inference/distance.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <iomanip>
 #include <map>
@@ -56,6 +57,10 @@ private:
     std::string text_;
 };
 
+/// Kinetic energy over m v^2 / 2, in the median of at least so many passages [-].
+constexpr std::array kEnergyShare{0.8, 2.5};
+constexpr std::size_t kLeastEnergies = 3;
+
 class Audit {
 public:
     Audit(const Observations& observations, const ObservationOperator& op, const AuditSite& site)
@@ -66,6 +71,7 @@ public:
         datum_offset();
         speeds();
         rises();
+        energies();
         densities();
         measured_once();
         block_list();
@@ -201,6 +207,26 @@ private:
                  words(doubtful.counted("vertical speed is", "vertical speeds are"),
                        " above the speed there by more than three stated errors (", doubtful.text(),
                        impossible.count() > 0 ? ")" : "): " + worst_text));
+    }
+
+    /// Of a block whose speed and mass are known the kinetic energy is m v^2 / 2 and what turns, which is less than that but for a disc that spins in place.
+    void energies() {
+        std::vector<double> shares;
+        for (const ObservedCrossing& c : o_.crossings) {
+            const double speed = c.value[static_cast<std::size_t>(Kinematic::Speed)],
+                         energy = c.value[static_cast<std::size_t>(Kinematic::Energy)];
+            if (c.block < 0 || !(speed > 0.0) || !std::isfinite(energy)) continue;
+            const double share = energy / (0.5 * o_.blocks[static_cast<std::size_t>(c.block)].mass * speed * speed);
+            if (std::isfinite(share)) shares.push_back(share);
+        }
+        if (shares.size() < kLeastEnergies) return;
+        std::sort(shares.begin(), shares.end());
+        const double median = sample_quantile(shares, 0.5);
+        if (median < kEnergyShare[0] || median > kEnergyShare[1])
+            find(Severity::Warning, "energies",
+                 words("the energies at the screens are ", fixed(median, 2), " times m v^2 / 2 in the median of ",
+                       shares.size(), " passages, and ", kEnergyShare[0], " to ", kEnergyShare[1],
+                       " is what blocks can have: are they in kJ, of whole blocks, with their rotation?"));
     }
 
     void densities() {

@@ -57,6 +57,7 @@ TEST(ObservationAudit, FindsNothingInGoodMeasurements) {
     GoodTest test;
     test.o.crossings[5].value[4] = -12.0;  // within its error
     test.o.crossings[5].error[4] = 0.7;
+    for (ObservedCrossing& c : test.o.crossings) c.value[3] = 60e3, c.error[3] = 1e3;  // 50 kJ and what turns
     for (const Finding& f : test.findings()) ADD_FAILURE() << f.sentence;
 }
 
@@ -120,6 +121,16 @@ const Plant kPlants[] = {
          t.list[1].mass = 1e6;
      },
      "density", Severity::Error, "no rock has"},
+    {"EnergiesInAnotherUnit",
+     [](GoodTest& t) {
+         for (ObservedCrossing& c : t.o.crossings) c.value[3] = 60e6, c.error[3] = 1e6;
+     },
+     "energies", Severity::Warning, "1200.00 times m v^2 / 2 in the median of 12 passages"},
+    {"EnergiesOfPieces",
+     [](GoodTest& t) {
+         for (ObservedCrossing& c : t.o.crossings) c.value[3] = 20e3, c.error[3] = 1e3;
+     },
+     "energies", Severity::Warning, "0.40 times"},
     {"TooHeavyForItsBox", [](GoodTest& t) { t.o.blocks[1].mass = t.list[1].mass = 3000.0; }, "density",
      Severity::Warning, "B1 4167"},
     {"TooLightForItsBox", [](GoodTest& t) { t.o.blocks[1].mass = t.list[1].mass = 200.0; }, "density",
