@@ -215,8 +215,7 @@ void warn_of_partial_results(const Context& context, const std::filesystem::path
         if (entry.path().filename().string().starts_with(prefix))
             *context.err << "warning: " << entry.path().string()
                          << " is what a run left behind that was killed while it wrote, if none is writing now: take "
-                            "from it what "
-                            "is yours, and remove it\n";
+                            "from it what is yours, and remove it\n";
 }
 
 // The only place that catches: every error becomes one sentence and an exit code.

@@ -162,8 +162,7 @@ std::vector<std::string> calibration_remarks(const CalibrationReport& r) {
         remarks.push_back(
             "as a whole the calibrated model is farther from the measurements (gap " +
             gap_number(r.after_study.overall.gap) + ") than the site was (" + gap_number(r.before_study.overall.gap) +
-            "): a longer search, or measurements that say less than chance does; keep the values that you "
-            "have reasons for");
+            "): the search was too short, or what it follows is chance; keep the values that you have reasons for");
     if (r.after_study.overall.beyond_chance())
         remarks.push_back(
             "the calibrated model is still beyond chance: something else than the free parameters is missing or wrong");

@@ -87,8 +87,7 @@ public:
             find(Severity::Warning, "same_seed",
                  "these are results of a run with model.seed = " + records_.seed +
                      ", which is that of this site: blocks that are simulated are the measured ones once more, and "
-                     "look too "
-                     "much alike; give another with --seed");
+                     "look too much alike; give another with --seed");
         name_places();
         name_blocks();
         add_stops();
