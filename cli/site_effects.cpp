@@ -95,6 +95,13 @@ void load_effects(const SiteFile& site, SiteTerrain& terrain) {
         } else if (!given.library.empty()) {
             throw InputError(where + " takes no library: only own_law does");
         }
+        if (effect.kind == EffectKind::SoilPatch &&
+            std::all_of(effect.values.begin(), effect.values.begin() + std::ssize(info.parameters),
+                        [](double v) { return std::isnan(v); }))
+            terrain.effect_warnings.push_back(where +
+                                              " changes nothing: give friction, rolling or restitution of the patch");
+        if (info.limits.lines && effect.place.reaches && !effect.place.lines.empty())
+            throw InputError(where + " stands in two ways, by its file and by from: remove one of them");
         if (info.limits.lines && effect.place.reaches) {  // a station along the profile
             effect.place.stations.push_back(effect.place.reaches->front().from);
             effect.place.reaches.reset();

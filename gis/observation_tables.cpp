@@ -199,9 +199,10 @@ private:
         }
         if (earth && name.empty()) name = "EPSG:4326";
         if (name.empty()) {
-            table_.warnings.push_back(words(table_.place,
-                                            " has no column crs: its positions are taken to be in the CRS of the "
-                                            "terrain; add one, such as EPSG:2154, to be sure."));
+            table_.warnings.push_back(
+                words(table_.place,
+                      " names no CRS in a column crs: its positions are taken to be in the CRS of "
+                      "the terrain; give it, such as EPSG:2154, to be sure."));
             table_.source += ", CRS of the terrain (assumed)";
             return;
         }

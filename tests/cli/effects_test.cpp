@@ -268,6 +268,21 @@ TEST(Fragmentation, EndsWithPiecesOfFiveCentimetres) {
         EXPECT_GE(row.number("l1_m") * std::cbrt(row.number("mass_left_kg") / row.number("mass_kg")), 0.05);
 }
 
+TEST(Effects, ANetStandsInOnePlace) {
+    const TempDir folder;
+    const std::string site =
+        quarry_with(folder.path(), "[[effect]]\nkind = \"net\"\nfrom = 20.0\nfile = \"data/screens.gpkg\"\n");
+    const Outcome outcome = scree_program({"check", site, "--set", "model.dimension=2"});
+    EXPECT_EQ(outcome.code, 3);
+    EXPECT_THAT(outcome.err, HasSubstr("stands in two ways"));
+}
+
+TEST(Effects, APatchWithoutAValueIsSaidToDoNothing) {
+    EXPECT_THAT(check_with("[[effect]]\nkind = \"soil_patch\"\n").err, HasSubstr("soil_patch changes nothing"));
+    EXPECT_THAT(check_with("[[effect]]\nkind = \"soil_patch\"\nfriction = 0.4\n").err,
+                Not(HasSubstr("changes nothing")));
+}
+
 TEST(OwnLaw, RefusesWhatIsNone) {
     EXPECT_THAT(check_with("[[effect]]\nkind = \"own_law\"\n").err, HasSubstr("effect own_law needs library"));
     EXPECT_THAT(check_with("[[effect]]\nkind = \"own_law\"\nlibrary = \"nowhere.so\"\n").err,

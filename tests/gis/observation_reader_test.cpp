@@ -249,7 +249,7 @@ TEST_F(ObservationReader, TransformsFromAnyCrsAndSaysSo) {
 
 TEST_F(ObservationReader, WarnsWhereItHasToAssumeTheCrs) {
     const auto o = read(put("stops.csv", "easting_m,northing_m\n900010,6400020\n"));
-    EXPECT_THAT(o.warnings, Contains(HasSubstr("has no column crs")));
+    EXPECT_THAT(o.warnings, Contains(HasSubstr("names no CRS in a column crs")));
     EXPECT_EQ(o.stops[0].position.head<2>(), Vec2(10.0, 20.0));
 }
 
