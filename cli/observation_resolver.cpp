@@ -213,6 +213,11 @@ private:
             else
                 result_.observations.shares.push_back({r.row, zone, r.count, r.thrown});
         }
+        const bool stops = std::any_of(result_.observations.stops.begin(), result_.observations.stops.end(),
+                                       [](const ObservedStop& s) { return std::isfinite(s.position.x()); });
+        if (stops && !records_.shares.empty() && records_.seed.empty())  // results of Scree have both, and agree
+            find(Severity::Warning, "shares_unused",
+                 "deposit_zones are not compared, as the stops say in which zone each block is");
         report_unknown("unknown_zone", "deposit zones", "deposit_zones", unknown, result_.op.zones);
     }
 
