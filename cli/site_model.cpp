@@ -102,15 +102,15 @@ std::vector<Screen> make_screens(const gis::VectorData& data, const std::string&
 namespace {
 
 /// A name on several features may be meant, and may be a slip.
-void warn_of_shared_names(const gis::VectorData& data, const SiteSettings& s, std::vector<std::string>& warnings) {
-    const std::vector<std::string> names = gis::text_field(data, s.screens.field);
+void warn_of_shared_names(const gis::VectorData& data, const VectorInput& input, const char* what_follows,
+                          std::vector<std::string>& warnings) {
+    const std::vector<std::string> names = gis::text_field(data, input.field);
     std::map<std::string, int> count;
     for (const std::string& name : names) ++count[name];
     for (const auto& [name, features] : count)
         if (features > 1)
-            warnings.push_back(s.screens.file + ": " + std::to_string(features) + " features are called '" + name +
-                               "': they count as one screen, at which a block is measured once; give them names of "
-                               "their own if they are not");
+            warnings.push_back(input.file + ": " + std::to_string(features) + " features are called '" + name +
+                               "': " + what_follows + "; give them names of their own if they are not one");
 }
 
 }  // namespace
@@ -191,10 +191,7 @@ SiteModel load_site(const SiteFile& site) {
         model.warnings.emplace_back(
             "screens.chainages are places along a profile, and in 3D there is none: those screens do not stand; "
             "draw them, and give screens.file");
-    model.inputs.push_back(site.resolve(s.dtm).string());
-    if (!s.zones.file.empty()) model.inputs.push_back(site.resolve(s.zones.file).string());
-    if (!s.breaklines.file.empty()) model.inputs.push_back(site.resolve(s.breaklines.file).string());
-    append(model.inputs, model.terrain.effect_inputs);
+    append(model.inputs, terrain_inputs(site, model.terrain));
 
     model.release =
         read_site_layer(site, s.release, "release",
@@ -209,7 +206,8 @@ SiteModel load_site(const SiteFile& site) {
         append(model.warnings, model.screens->report.warnings);
         model.inputs.push_back(site.resolve(s.screens.file).string());
         c.screens = make_screens(*model.screens, s.screens.field);
-        warn_of_shared_names(*model.screens, s, model.warnings);
+        warn_of_shared_names(*model.screens, s.screens, "they count as one screen, at which a block is measured once",
+                             model.warnings);
     }
     if (!s.deposit_zones.file.empty()) {
         model.deposit_zones =
@@ -217,12 +215,8 @@ SiteModel load_site(const SiteFile& site) {
         append(model.warnings, model.deposit_zones->report.warnings);
         model.inputs.push_back(site.resolve(s.deposit_zones.file).string());
         c.deposit_zones = make_deposit_zones(*model.deposit_zones, s.deposit_zones.field);
-        std::set<std::string> names, twice;
-        for (const DepositZone& zone : c.deposit_zones)
-            if (!names.insert(zone.name).second) twice.insert(zone.name);
-        for (const std::string& name : twice)
-            model.warnings.push_back("there are several deposit zones called '" + name +
-                                     "': measurements by name mean all of them; give each a name of its own");
+        warn_of_shared_names(*model.deposit_zones, s.deposit_zones,
+                             "a run counts in each of them, and measurements by that name mean all", model.warnings);
     }
     c.effects = model.terrain.effects;
     apply_parameters(site, c);

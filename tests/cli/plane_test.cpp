@@ -51,12 +51,13 @@ TEST(Plane, ADepositZoneThatNoProfileMeetsIsEmpty) {
     const TempDir folder;
     VectorSpec zones;
     zones.text_field = "name";
-    zones.rows = {
-        {"POLYGON((890000 6670000,890160 6670000,890160 6670015,890000 6670015,890000 6670000))", "beside", 1.0}};
+    const char* const area = "POLYGON((890000 6670000,890160 6670000,890160 6670015,890000 6670015,890000 6670000))";
+    zones.rows = {{area, "beside", 1.0}, {area, "beside", 1.0}};
     write_vector((folder / "zones.gpkg").string(), zones);
     const Outcome run = run_2d(folder / "out", {"deposit_zones.file=" + (folder / "zones.gpkg").string()});
     ASSERT_EQ(run.code, 0) << run.err;
     EXPECT_THAT(run.err, HasSubstr("deposit zone beside lies on no profile"));
+    EXPECT_THAT(run.err, HasSubstr("2 features are called 'beside': a run counts in each of them"));
     EXPECT_THAT(run.out, HasSubstr("beside: 0 %"));
 }
 
