@@ -27,9 +27,6 @@ struct Table {
 /// Throws InputError for a file that cannot be read, is binary, has no header, a column twice, or rows with another number of cells than the header.
 Table read_table(const std::string& file, const std::string& purpose);
 
-bool is_utf8(const std::string& text);
-std::string utf8_from_latin1(const std::string& text);
-
 /// Index of a column; throws InputError that lists the columns there are.
 std::size_t column_index(const Table& table, const std::string& column);
 

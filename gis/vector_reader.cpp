@@ -4,7 +4,7 @@
 #include "gis/crs.hpp"
 #include "gis/crs_transform.hpp"
 #include "gis/dataset.hpp"
-#include "gis/table_reader.hpp"
+#include "gis/utf8.hpp"
 #include "gis/words.hpp"
 #include "scree/base/error.hpp"
 
