@@ -2,6 +2,8 @@
 // What the verdict says where there is no name for what is missing.
 #include "cli/diagnose_words.hpp"
 
+#include "cli/diagnose_models.hpp"
+
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 

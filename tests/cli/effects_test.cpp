@@ -16,6 +16,7 @@
 #include <algorithm>
 #include <atomic>
 #include <cmath>
+#include <filesystem>
 #include <fstream>
 
 namespace scree::test {
@@ -23,6 +24,7 @@ namespace {
 
 using testing::HasSubstr;
 using testing::Not;
+namespace fs = std::filesystem;
 
 Outcome check_with(const std::string& more) {
     const TempDir folder;
