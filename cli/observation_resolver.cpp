@@ -100,6 +100,7 @@ public:
         sort_pools();
         set_operator();
         order_screens();
+        name_watched();
         return std::move(result_);
     }
 
@@ -425,6 +426,25 @@ private:
         }
         for (std::int32_t& screen : op.screen_of) screen = place[static_cast<std::size_t>(screen)];
         for (ObservedCrossing& c : result_.observations.crossings) c.screen = place[static_cast<std::size_t>(c.screen)];
+    }
+
+    /// Who passed a screen can be told of nobody where nobody knows how many were thrown.
+    void name_watched() {
+        std::set<std::string> unknown;
+        for (const std::string& name : s_.watched) {
+            const std::int32_t screen = find_name(result_.op.screens, name);
+            if (screen < 0 || result_.op.is_impact(screen))
+                unknown.insert(name);
+            else if (!result_.op.is_watched(screen))
+                result_.op.watched.push_back(screen);
+        }
+        std::vector<std::string> names(result_.op.screens.begin(),
+                                       result_.op.screens.end() - static_cast<std::ptrdiff_t>(2 * result_.op.impacts));
+        report_unknown("watched", "screens (observed.watched)", "screens", unknown, names);
+        if (!result_.op.watched.empty() && result_.observations.thrown == 0)
+            find(Severity::Warning, "watched",
+                 "observed.watched tells nothing where nobody knows how many blocks were thrown: set observed.thrown, "
+                 "or list all of them in stopping_points");
     }
 
     /// That of [profile], which 3D has to trace for this.

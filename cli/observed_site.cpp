@@ -140,7 +140,9 @@ ObservedSite planned_test(const SiteFile& site, const SiteModel& model, const st
     }
     if (!measured.contains("stops") && records.crossings.empty() && records.impacts.empty())
         throw InputError("nothing would be measured: --instruments needs stops or impacts, or the site [screens]");
-    return resolve_observations(site, model, records);
+    SiteFile planned = site;  // its instruments would see whoever passes, though nobody does here
+    for (const Screen& screen : model.campaign.screens) planned.settings.observed.watched.push_back(screen.name);
+    return resolve_observations(planned, model, records);
 }
 
 std::vector<double> screen_chainages(const SiteModel& model, const Axis& axis) {

@@ -273,6 +273,10 @@ void add_observed(std::vector<Setting<SiteSettings>>& keys) {
     keys.push_back(observed.integer(
         "thrown", {0, 1e9}, AT(observed.thrown),
         "Blocks thrown in the test, for the shares that passed a screen; 0: as many as were measured."));
+    keys.push_back(observed.texts(
+        "watched", AT(observed.watched),
+        "Names of screens that would have recorded every block that passed. No block passed one of these that no row "
+        "of screen_crossings names; of any other screen without a row nothing is known."));
     keys.push_back(observed.number("position_error", "m", kNotNegative, AT(observed.position_error),
                                    "Standard deviation of easting and of northing of stops whose rows state none."));
     keys.push_back(observed.number(

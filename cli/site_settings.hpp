@@ -49,9 +49,10 @@ inline constexpr std::array<const char*, 2> kBrokenBlocksNames{"keep", "leave_ou
 /// How a field test measured, and how it is compared with.
 struct ObservedSettings {
     bool matched = true;
-    std::int64_t repeats = 100;  ///< [-]
-    std::int64_t draws = 1000;   ///< [-]
-    std::int64_t thrown = 0;     ///< 0: as many as were measured [-]
+    std::int64_t repeats = 100;        ///< [-]
+    std::int64_t draws = 1000;         ///< [-]
+    std::int64_t thrown = 0;           ///< 0: as many as were measured [-]
+    std::vector<std::string> watched;  ///< screens
     bool release_positions = true;
     double position_error = 0.0;   ///< [m]
     double speed_error = 0.0;      ///< [m/s]

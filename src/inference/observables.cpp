@@ -68,7 +68,7 @@ void add_shares(std::vector<Observable>& list, const Observations& observations)
 }
 
 void add_screen(std::vector<Observable>& list, const Observations& observations, const std::string& name,
-                std::int32_t screen, bool impact) {
+                std::int32_t screen, bool impact, bool watched) {
     std::int64_t passed = 0;
     bool matched = observations.matched;
     std::array<std::int64_t, kKinematics> measured{};
@@ -78,7 +78,7 @@ void add_screen(std::vector<Observable>& list, const Observations& observations,
         matched = matched && c.block >= 0;
         for (std::size_t k = 0; k < kKinematics; ++k) measured[k] += std::isfinite(c.value[k]);
     }
-    if (passed == 0) return;
+    if (passed == 0 && !watched) return;
     std::array<bool, kKinematics> of_blocks{};  // else of those that passed
     for (std::size_t k = 0; k < kKinematics; ++k)
         of_blocks[k] =
@@ -115,9 +115,10 @@ std::vector<Observable> make_observables(const Observations& observations, const
     std::vector<Observable> list;
     add_stops(list, observations, op);
     add_shares(list, observations);
-    for (std::size_t s = 0; s < op.screens.size(); ++s)
-        add_screen(list, observations, op.screens[s], static_cast<std::int32_t>(s),
-                   op.is_impact(static_cast<std::int32_t>(s)));
+    for (std::size_t s = 0; s < op.screens.size(); ++s) {
+        const auto screen = static_cast<std::int32_t>(s);
+        add_screen(list, observations, op.screens[s], screen, op.is_impact(screen), op.is_watched(screen));
+    }
     return list;
 }
 

@@ -63,9 +63,13 @@ ObservationTable empty_table(const Observations& observations, const Observation
     return table;
 }
 
-/// Does any known block have a record at this screen?
-std::vector<bool> screens_with_blocks(const Observations& observations, std::size_t screens) {
-    std::vector<bool> found(screens, false);
+/// Who of the known blocks passed this screen is known: one of them has a record, or it was watched and nobody has.
+std::vector<bool> screens_that_tell(const Observations& observations, const ObservationOperator& op) {
+    std::vector<bool> found(op.screens.size(), false);
+    for (const std::int32_t screen : op.watched)
+        found[static_cast<std::size_t>(screen)] =
+            std::none_of(observations.crossings.begin(), observations.crossings.end(),
+                         [&](const ObservedCrossing& c) { return c.screen == screen; });
     for (const ObservedCrossing& c : observations.crossings)
         if (c.block >= 0) found[static_cast<std::size_t>(c.screen)] = true;
     return found;
@@ -218,7 +222,7 @@ std::vector<Column> observed_columns(const Observations& observations, const Obs
     if (stops && op.lateral) columns.insert(columns.begin() + 1, Column{Quantity::Lateral});
     for (std::size_t s = 0; s < op.screens.size(); ++s) {
         const auto screen = static_cast<std::int32_t>(s);
-        bool any = false;
+        bool any = op.is_watched(screen);
         std::array<bool, kKinematics> measured{};
         for (const ObservedCrossing& c : observations.crossings) {
             if (c.screen != screen) continue;
@@ -246,13 +250,13 @@ ObservationTable measured_table(const Observations& observations, const Observat
     for (const ObservedCrossing& c : observations.crossings)
         if (matched > 0 && c.block >= 0) crossings[static_cast<std::size_t>(c.block)].push_back(&c);
 
-    const std::vector<bool> seen = screens_with_blocks(observations, op.screens.size());
+    const std::vector<bool> told = screens_that_tell(observations, op);
     for (std::size_t b = 0; b < matched; ++b) {
         write.add(static_cast<std::int32_t>(b));
         if (stops[b] && known(stops[b]->position.head<2>()))
             write.stop(stops[b]->position.head<2>(), !stops[b]->censored);
         for (std::size_t s = 0; s < op.screens.size(); ++s)
-            if (seen[s]) write.passed(static_cast<std::int32_t>(s), false);
+            if (told[s]) write.passed(static_cast<std::int32_t>(s), false);
         for (const ObservedCrossing* c : crossings[b]) {
             write.passed(c->screen, true);
             write.kinematics(c->screen, c->value);
@@ -306,7 +310,9 @@ ObservationTable side_by_side(const ObservationTable& measured, std::int64_t thr
         std::vector<double>& values = table.values.emplace_back();
         for (const std::size_t row : rows_known) values.push_back(measured.values[k][row]);
         const auto of_kind = records.find(kind_of(k));
-        const bool passed = table.columns[k].quantity == Quantity::Passed && of_kind != records.end();
+        const bool unseen = std::none_of(measured.values[k].begin(), measured.values[k].end(),
+                                         [](double v) { return std::isfinite(v); });
+        const bool passed = table.columns[k].quantity == Quantity::Passed && (of_kind != records.end() || unseen);
         if (of_kind != records.end() && !(passed && thrown <= 0))
             for (const std::size_t row : of_kind->second) values.push_back(measured.values[k][row]);
         values.resize(rows_known.size() + rows, passed && thrown > 0 ? 0.0 : kNaN);

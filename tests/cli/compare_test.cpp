@@ -415,6 +415,40 @@ TEST(Compare, OfCrossingsAloneNobodyKnowsWhoDidNotPass) {
                 HasSubstr("thrown_differs"));
 }
 
+// A screen without rows tells nothing, unless it was watched: then nobody passed it.
+TEST(Compare, NobodyPassedAWatchedScreenWithoutRows) {
+    const TempDir folder;
+    const fs::path tables = folder / "observed";
+    fs::create_directories(tables);
+    put(tables / "stopping_points.csv", riddle_table("stopping_points.csv"));
+    std::istringstream rows(riddle_table("screen_crossings.csv"));
+    std::string upper;
+    for (std::string row; std::getline(rows, row);)
+        if (row.find("ES2-A") == std::string::npos) upper += row + "\n";
+    put(tables / "screen_crossings.csv", upper);
+    const std::vector<std::string> few{"--set", "observed.repeats=10", "--set", "observed.draws=300"};
+    const auto with = [&](const std::string& watched) {
+        std::vector<std::string> sets = few;
+        sets.insert(sets.end(), {"--set", "observed.watched=[\"" + watched + "\"]"});
+        return sets;
+    };
+    ASSERT_EQ(compare_riddle(tables, folder / "plain", few).code, 0);
+    EXPECT_THAT(report(folder / "plain").dump(), Not(HasSubstr("passing ES2-A")));
+    ASSERT_EQ(compare_riddle(tables, folder / "watched", with("ES2-A")).code, 0);
+    bool found = false;
+    const auto compared = report(folder / "watched");
+    for (const auto& observable : compared.at("observables")) {
+        if (observable.at("name") != "passing ES2-A") continue;
+        found = true;
+        EXPECT_EQ(observable.at("measured").at("share"), 0.0);
+    }
+    EXPECT_TRUE(found);
+    const Outcome unknown = compare_riddle(tables, folder / "unknown", with("ES9"));
+    EXPECT_NE(unknown.code, 0);
+    EXPECT_THAT(unknown.err + unknown.out,
+                HasSubstr("the observations name screens (observed.watched) that the site does not have (ES9)"));
+}
+
 // The site as it is cannot be what was measured; with the calibrated soils and the drag that scree diagnose named it can.
 TEST(Compare, ToldTheRiddleFromItsSolution) {
     const TempDir folder;

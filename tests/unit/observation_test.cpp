@@ -157,6 +157,54 @@ TEST(SideBySide, WhoPassedIsUnknownIfNobodyKnowsHowManyWereThrown) {
     for (const std::size_t row : {0U, 1U}) EXPECT_TRUE(std::isnan(cell(t, {Quantity::Passed, 0}, row)));
 }
 
+TEST(MeasuredTable, AWatchedScreenWithoutRecordsIsOneThatNobodyPassed) {
+    ObservationOperator op = test_operator();
+    EXPECT_EQ(measured_table(test_observations(), op).find({Quantity::Passed, 1}),
+              measured_table(test_observations(), op).columns.size())
+        << "nothing is known of the lower screen";
+    op.watched = {0, 1};
+    const ObservationTable t = measured_table(test_observations(), op);
+    EXPECT_EQ(cell(t, {Quantity::Passed, 0}, 0), 1.0);
+    EXPECT_EQ(cell(t, {Quantity::Passed, 0}, 1), 0.0);
+    EXPECT_EQ(cell(t, {Quantity::Passed, 1}, 0), 0.0);
+    EXPECT_EQ(cell(t, {Quantity::Passed, 1}, 1), 0.0);
+
+    Observations pool = test_observations();
+    pool.matched = false;
+    pool.thrown = 3;
+    const ObservationTable rows = side_by_side(pool, op);
+    ASSERT_EQ(rows.rows(), 3U);
+    for (const std::size_t row : {0U, 1U, 2U}) EXPECT_EQ(cell(rows, {Quantity::Passed, 1}, row), 0.0);
+    pool.thrown = 0;
+    EXPECT_TRUE(std::isnan(cell(side_by_side(pool, op), {Quantity::Passed, 1}, 0))) << "of how many?";
+}
+
+TEST(Observables, AWatchedScreenWithoutRecordsTellsOfPassing) {
+    ObservationOperator op = test_operator();
+    const auto of_lower = [&](const Observations& o) {
+        std::vector<Observable> found;
+        for (Observable& one : make_observables(o, op))
+            if (one.name.find("lower") != std::string::npos) found.push_back(std::move(one));
+        return found;
+    };
+    EXPECT_TRUE(of_lower(test_observations()).empty());
+    op.watched = {1};
+    const std::vector<Observable> known = of_lower(test_observations());
+    ASSERT_EQ(known.size(), 1U);
+    EXPECT_EQ(known[0].name, "passing lower");
+    EXPECT_TRUE(known[0].matched && known[0].overall && known[0].counts.empty());
+
+    Observations pool = test_observations();
+    pool.matched = false;
+    const std::vector<Observable> counted = of_lower(pool);
+    ASSERT_EQ(counted.size(), 1U);
+    ASSERT_EQ(counted[0].counts.size(), 1U);
+    EXPECT_EQ(counted[0].counts[0].count, 0);
+    EXPECT_EQ(counted[0].counts[0].thrown, 2);
+    pool.thrown = 0;
+    EXPECT_TRUE(of_lower(pool).empty());
+}
+
 TEST(SideBySide, SharesOfZonesAreToldToTheFirstRows) {
     Observations o = test_observations();
     o.stops.clear();

@@ -4,6 +4,7 @@
 #include "scree/ensemble/campaign.hpp"
 #include "scree/inference/axis.hpp"
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <limits>
@@ -84,8 +85,10 @@ struct ObservationOperator {
     Vec2 origin = Vec2::Zero();  ///< centre of the release, from which `runout` is counted [m]
     std::vector<std::string>
         screens;  ///< names, each once; then two for every impact: "the start of impact 1", "the end of impact 1"
-    std::size_t impacts = 0;                                  ///< of a block, that were measured [-]
-    std::vector<std::int32_t> screen_of;                      ///< screen (above) of each CampaignInput::screens [-]
+    std::size_t impacts = 0;              ///< of a block, that were measured [-]
+    std::vector<std::int32_t> screen_of;  ///< screen (above) of each CampaignInput::screens [-]
+    /// Screens (above) that would have recorded every block that passed: without any record nobody did, where of others nothing is known then [-].
+    std::vector<std::int32_t> watched;
     std::vector<std::string> zones;                           ///< names, each once
     std::vector<std::pair<std::int32_t, Region>> zone_areas;  ///< zone (above) and an area of it
     /// Measurement effects (effects.hpp): how this test may have measured wrong. Others are left alone.
@@ -99,6 +102,9 @@ struct ObservationOperator {
     }
     std::int32_t start_of_impact(std::int64_t number) const {
         return static_cast<std::int32_t>(screens.size() - 2 * impacts) + 2 * static_cast<std::int32_t>(number);
+    }
+    bool is_watched(std::int32_t screen) const {
+        return std::find(watched.begin(), watched.end(), screen) != watched.end();
     }
     /// Adds impacts behind the screens of a site, all of which are known by then.
     void add_impacts(std::size_t count);
@@ -131,12 +137,13 @@ struct ObservationTable {
 std::vector<Column> observed_columns(const Observations& observations, const ObservationOperator& op);
 
 /// Measurements as rows: first one per block of the test if they are matched, then one per record of an unknown block. Of blocks that
-/// are known, one without a record at a screen that recorded known blocks has not passed it. Shares stay outside (ObservedShare).
+/// are known, one without a record at a screen that recorded known blocks, or that was watched, has not passed it. Shares stay outside
+/// (ObservedShare).
 ObservationTable measured_table(const Observations& observations, const ObservationOperator& op);
 
 /// A pool as rows that stand for blocks: nobody knows which records are of one block, so stops and what each screen saw are put side by side, in as many
 /// rows as blocks were thrown; a row without a record of a screen has not passed it (unless nobody knows how many were thrown, 0: nothing then says who
-/// passed). Right for means, shares and the counts behind them; what one row says of two records means nothing. Rows of known blocks stay as they are, but
+/// passed), nor has any a screen of which the table has the passing and no record at all. Right for means, shares and the counts behind them; what one row says of two records means nothing. Rows of known blocks stay as they are, but
 /// that shares of zones that nothing else is known of are told to the first rows, one block each: nobody knows which blocks were counted.
 ObservationTable side_by_side(const ObservationTable& measured, std::int64_t thrown,
                               std::span<const ObservedShare> shares = {});
