@@ -4,13 +4,13 @@
 
 Usage: find.py SCREE FOLDER [--parallel N] [--set KEY=VALUE ...]
 
-Writes FOLDER/found/NNNN.json (diagnosis.json of the program); what is there is not done again. FOLDER/finder.json says which program with which settings:
+Writes FOLDER/found/NNNN.json (diagnosis.json of the program, with the hash of the case that it saw), or NNNN.error with what the program said when it refused a case; what is
+found is not done again. FOLDER/finder.json says which program with which settings:
 another one needs another folder. Refuses a case that has no hash in FOLDER/sealed.sha256, or whose truth, where it is there, has another: it must be fixed before.
 """
 import argparse
 import hashlib
 import json
-import shutil
 import subprocess
 import sys
 import tempfile
@@ -18,18 +18,23 @@ import time
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
+from seals import hash_of, seals
+
 # smaller than the defaults, and nothing beyond the verdict: a case of 50 blocks takes one to ten minutes of one core
 BUDGET = ["calibration.starts=1", "calibration.generations=8", "calibration.surroundings=40", "calibration.repeats=4", "calibration.folds=3",
           "calibration.final_repeats=10", "diagnosis.reference_repeats=100", "diagnosis.repeats=12", "diagnosis.draws=499", "diagnosis.finalists=6",
           "observed.draws=200", "diagnosis.further=false", "diagnosis.power_search=0"]
 
+REFUSED = 3  # exit code of the program where the measurements cannot be used
+
 
 def diagnose(args, case):
     found = args.folder / "found" / f"{case.name}.json"
-    if found.exists():
+    refused = found.with_suffix(".error")
+    if found.exists() or refused.exists():
         return
     sealed = f"sealed/{case.name}.json"
-    hashes = dict(reversed(line.split()) for line in (args.folder / "sealed.sha256").read_text().splitlines())
+    hashes = seals(args.folder)
     truth = args.folder / sealed  # which a finder need not have
     if sealed not in hashes or (truth.exists() and hashlib.sha256(truth.read_bytes()).hexdigest() != hashes[sealed]):
         sys.exit(f"case {case.name} is not sealed, or its truth is not the one that was")
@@ -41,11 +46,12 @@ def diagnose(args, case):
             line += ["--set", change]
         done = subprocess.run(line, capture_output=True, text=True)
         if done.returncode:
-            found.with_suffix(".error").write_text(done.stderr)
+            if done.returncode == REFUSED:
+                refused.write_text(done.stderr)
             print(f"case {case.name}: exit code {done.returncode}: {done.stderr.strip()[-300:]}", flush=True)
             return
-        json.loads((Path(folder) / "out" / "diagnosis.json").read_text())  # whole
-        shutil.copy(f"{folder}/out/diagnosis.json", found)
+        answer = json.loads((Path(folder) / "out" / "diagnosis.json").read_text())
+        found.write_text(json.dumps(answer | {"field_test_sha256": hash_of(case)}, indent=1) + "\n")
     print(f"case {case.name}: {time.monotonic() - begin[1]:.0f} s", flush=True)
 
 

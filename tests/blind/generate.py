@@ -15,7 +15,7 @@ sqrt(n d' P d), d the change of the means of what is measured of a block (with i
 covariance with the span of the parameters' derivatives projected out, after a recalibration. The strength is solved for the value drawn, 2 to 9, with the least of the values
 at the model's parameters and along Gauss-Newton steps from there, derivatives and covariance those at the model's parameters. The value for the record comes from other blocks
 (--count of them) and from a recalibration that searches all over the ranges of the parameters, in the covariance of each model that it looks at; where it is far from the value
-drawn the strength is corrected.
+drawn the strength is corrected. What is not seen at all, with a delta below 1.5 at any strength, is drawn anew.
 """
 import argparse
 import csv
@@ -33,13 +33,16 @@ from pathlib import Path
 
 import terrains  # ends here as skipped where numpy or GDAL's module is absent
 import numpy as np
+from seals import hash_of
 
 HERE = Path(__file__).resolve().parent
 COUNT = 1000  # simulated blocks behind a delta
 EPOCH = 1e9  # of all files of a case
 
 TIME_STEP = 16e-3           # [s] of truth and model alike: its statistics differ from those of the default by less than a case can see
-DELTAS = (2.0, 3.0, 4.5, 6.0, 9.0)  # to be reached: what the soil parameters absorb once settled leaves a third of the cases below 1.5
+DELTAS = (2.0, 3.0, 4.5, 6.0, 9.0)  # to be reached
+LEAST_DELTA, ATTEMPTS = 1.5, 4  # what reaches less is drawn anew, up to so many draws
+LEAVING = 30  # draws among which there must be one in which no block leaves the terrain
 # chance of a tier: 5 is "nothing hidden"
 TIERS = {0: 0.12, 1: 0.22, 2: 0.06, 3: 0.12, 4: 0.05, 5: 0.34, 6: 0.09}
 START = {"restitution": 0.1, "friction": 0.6, "rolling": 0.05}  # of the site that the finder gets
@@ -62,26 +65,27 @@ def entry(kind, **values):
     return f'[[effect]]\nkind = "{kind}"\n' + "".join(f"{k} = {json.dumps(v)}\n" for k, v in values.items()) + "\n"
 
 
-# name -> (families that are right answers, strength at which a search begins, largest strength, text of the site for a strength)
+# name -> (families that are right answers, strength at which a search begins, largest strength, text of the site for a strength);
+# the formulas of the catalogue up to about 80 % of what a diagnosis searches, beyond which it can give no name
 SAME_FORMULA = {
     "ground_drag": (["ground_drag"], 0.2, 5.0, lambda q, at: entry("ground_drag", coefficient=q)),
-    "ground_drag_quadratic": (["ground_drag"], 0.02, 1.0, lambda q, at: entry("ground_drag_quadratic", coefficient=q)),
-    "scar_drag_reduced": (["ground_drag"], 0.02, 1.0, lambda q, at: entry("scar_drag_reduced", coefficient=q)),
-    "rolling_speed": (["rolling_speed"], 0.2, 5.0, lambda q, at: entry("rolling_speed", speed=1.0 / q)),
-    "rolling_size": (["rolling_size"], 0.5, 3.0, lambda q, at: entry("rolling_size", exponent=q)),
-    "restitution_pfeiffer_bowen": (["restitution_half_speed"], 0.2, 5.0, lambda q, at: entry("restitution_pfeiffer_bowen", half_speed=1.0 / q)),
-    "restitution_mass": (["restitution_mass"], 0.15, 0.9, lambda q, at: entry("restitution_mass", exponent=-q)),
+    "ground_drag_quadratic": (["ground_drag"], 0.02, 0.7, lambda q, at: entry("ground_drag_quadratic", coefficient=q)),
+    "scar_drag_reduced": (["ground_drag"], 0.02, 0.7, lambda q, at: entry("scar_drag_reduced", coefficient=q)),
+    "rolling_speed": (["rolling_speed"], 0.2, 0.8, lambda q, at: entry("rolling_speed", speed=1.0 / q)),
+    "rolling_size": (["rolling_size"], 0.5, 2.4, lambda q, at: entry("rolling_size", exponent=q)),
+    "restitution_pfeiffer_bowen": (["restitution_half_speed"], 0.2, 0.5, lambda q, at: entry("restitution_pfeiffer_bowen", half_speed=1.0 / q)),
+    "restitution_mass": (["restitution_mass"], 0.15, 0.7, lambda q, at: entry("restitution_mass", exponent=-q)),
     "slip_friction": (["slip_friction"], 1.0, 8.0, lambda q, at: entry("slip_friction", ratio=1.0 + q)),
-    "low_friction": (["low_friction"], 0.3, 0.6, lambda q, at: entry("low_friction", friction=max(0.65 - q, 0.02), **{"from": at[0], "to": at[1]})),
-    "roughness": (["roughness"], 0.05, 0.5, lambda q, at: entry("roughness", amplitude=q)),
+    "low_friction": (["low_friction"], 0.3, 0.45, lambda q, at: entry("low_friction", friction=max(0.65 - q, 0.02), **{"from": at[0], "to": at[1]})),
+    "roughness": (["roughness"], 0.05, 0.32, lambda q, at: entry("roughness", amplitude=q)),
     "soil_patch": (["soil_patch"], 0.1, 1.0, lambda q, at: entry("soil_patch", rolling=0.05 + q, **{"from": at[0], "to": at[1]})),
-    "forest_drag": (["forest_drag"], 200.0, 5000.0, lambda q, at: entry("forest_drag", coefficient=q, **{"from": at[0], "to": at[1]})),
-    "block_shape longer": (["block_shape"], 0.15, 1.5, lambda q, at: entry("block_shape", elongation=1.0 + q)),
-    "block_shape sharper": (["block_shape"], 0.2, 0.8, lambda q, at: entry("block_shape", corners=1.0 - q)),
+    "forest_drag": (["forest_drag"], 200.0, 2400.0, lambda q, at: entry("forest_drag", coefficient=q, **{"from": at[0], "to": at[1]})),
+    "block_shape longer": (["block_shape"], 0.15, 1.1, lambda q, at: entry("block_shape", elongation=1.0 + q)),
+    "block_shape sharper": (["block_shape"], 0.2, 0.6, lambda q, at: entry("block_shape", corners=1.0 - q)),
     "block_shape rounder": (["block_shape"], 0.3, 3.0, lambda q, at: entry("block_shape", corners=1.0 + q)),
-    "trees": (["forest_drag"], 200.0, 2400.0, lambda q, at: entry("trees", density=q)),
-    "release_motion": (["release_motion"], 2.0, 15.0, lambda q, at: entry("release_motion", speed=q)),
-    "fragmentation": (["fragmentation"], 0.1, 2.0, lambda q, at: entry("fragmentation", speed=1.0 / q)),
+    "trees": (["forest_drag"], 200.0, 1900.0, lambda q, at: entry("trees", density=q)),
+    "release_motion": (["release_motion"], 2.0, 6.4, lambda q, at: entry("release_motion", speed=q)),
+    "fragmentation": (["fragmentation"], 0.1, 0.3, lambda q, at: entry("fragmentation", speed=1.0 / q)),
 }
 
 
@@ -105,17 +109,22 @@ OUTSIDE = {
     "bounce grows with speed": ([], 0.3, 5.0, lambda q, at: law(23, q)),
     "rolling resistance weakens with spin": ([], 0.3, 30.0, lambda q, at: law(24, q)),
     "stripes of friction": ([], 0.3, 0.95, lambda q, at: law(25, q)),
-    "drag that is strongest when slow": ([], 0.3, 20.0, lambda q, at: law(26, q)),
+    "drag that fades with speed": ([], 0.3, 20.0, lambda q, at: law(26, q)),
 }
 FAULTS = {  # done to what was measured; the strength in the unit of the fault
-    "speed_bias": (["speed_error"], 0.1, 0.5),
+    "speed_bias": (["speed_error"], 0.1, 0.32),
     "speed_noise": (["speed_error"], 1.0, 8.0),
     "screen_shift": (["screen_shift"], 3.0, 6.0),
-    "slow_missed": (["slow_missed"], 2.0, 8.0),
+    "slow_missed": (["slow_missed"], 2.0, 6.4),
     "ids_shuffled": (["ids_shuffled"], 1.0, 1.0),
-    "height_datum": (["height_datum"], 0.3, 3.0),
+    "height_datum": (["height_datum"], 0.3, 2.4),
 }
+BOUNCES, DRAGS = ("restitution", "bounce"), ("ground_drag", "scar_drag", "drag as", "drag of", "drag that", "shrubs")
 LOCAL = ("low_friction", "soil_patch", "forest_drag", "shrubs on a reach", "patch with soft borders")
+
+
+def is_one_of(names, beginnings):
+    return any(name.startswith(beginnings) for name in names)
 
 
 def whitening(rows):
@@ -132,6 +141,15 @@ def easting(point):
     return struct.unpack_from("<d", point, 13)[0]
 
 
+def bounded(curvature, slope, low, high):
+    """The x between low and high at which x'Ax / 2 - b'x is least, one coordinate after the other."""
+    x = np.zeros(len(slope))
+    for _ in range(300):
+        for k in range(len(x)):
+            x[k] = min(max(x[k] + (slope[k] - curvature[k] @ x) / curvature[k, k], low[k]), high[k])
+    return x
+
+
 class Case:
     def __init__(self, args, number):
         self.args, self.number = args, number
@@ -146,14 +164,21 @@ class Case:
         self.instruments = ["stops", "speed"] + (["height", "spin"] if self.ids and r.uniform() < 0.6 else [])
         if "height" in self.instruments and r.uniform() < 0.5:
             self.instruments.append("impacts")
+        self.blocks = self.draw_blocks(self.n)
+        self.noise = float(math.exp(r.uniform(*np.log(NOISE))))
+        self.measured = self.ids, self.instruments  # unless what is hidden asks for more
+        self.draw_hidden()
+
+    def draw_hidden(self):
+        """Soils, what is hidden, where, and the delta that it shall have."""
+        r = self.random
+        self.ids, self.instruments = self.measured
         self.soils = {name: {"restitution": float(0.0 if r.uniform() < 0.25 else r.uniform(0.05, 0.35)), "friction": float(r.uniform(0.45, 0.8)),
                              "rolling": float(math.exp(r.uniform(math.log(0.02), math.log(0.09))))} for name in ("slope", "floor")}
         first = terrains.SLOPES[self.slope]["screens"][0]
         start = float(r.uniform(first - 12.0, terrains.SLOPES[self.slope]["floor"] - 10.0))
         self.at = (round(start, 1), round(start + float(r.uniform(6.0, 15.0)), 1))
         self.target = float(r.choice(DELTAS))
-        self.noise = float(math.exp(r.uniform(*np.log(NOISE))))
-        self.blocks = self.draw_blocks(self.n)
         self.fault, self.effects = None, []
         table = {0: SAME_FORMULA, 1: SAME_FAMILY, 3: OUTSIDE, 6: FAULTS}.get(self.tier)
         names = []
@@ -166,24 +191,36 @@ class Case:
                 self.instruments = ["stops", "speed", "height", "spin"] + [i for i in self.instruments if i == "impacts"]
         elif self.tier == 2:
             table = SAME_FAMILY
-            while len(names) < 2 or set(table[names[0]][0]) & set(table[names[1]][0]):
+            while len(names) < 2 or set(table[names[0]][0]) & set(table[names[1]][0]) or (is_one_of(names, BOUNCES) and is_one_of(names, DRAGS)):
                 names = [str(name) for name in r.choice(list(table), 2, replace=False)]
         if self.tier == 6:
             self.fault = [names[0], 0.0]
         else:
             self.effects = [[name, table[name], 0.0] for name in names]
-        if any("drag" in name or "shrubs" in name for name in names if name != "forest_drag"):  # invisible where blocks bounce
+        if is_one_of(names, DRAGS):  # invisible where blocks bounce
             for soil in self.soils.values():
                 soil["restitution"] = min(soil["restitution"], 0.05)
-        if any("restitution" in name or "bounce" in name for name in names):  # invisible without a bounce
+        if is_one_of(names, BOUNCES):  # invisible without a bounce
             for soil in self.soils.values():
                 soil["restitution"] = max(soil["restitution"], 0.2)
+
+    def take(self, truth):
+        """What was drawn for a truth."""
+        self.tier, self.slope, self.ids, self.instruments, self.noise, self.soils = (truth[key] for key in ("tier", "slope", "ids", "instruments", "noise", "soils"))
+        if truth["n"] != self.n:
+            self.n = truth["n"]
+            self.blocks = self.draw_blocks(self.n)
+        self.fault = [truth["hidden"][0]["name"], truth["hidden"][0]["strength"]] if self.tier == 6 else None
 
     def chance_of(self, purpose=""):
         return np.random.default_rng(list(hashlib.sha256(f"{self.args.seed}/{self.number}{purpose}".encode()).digest()))
 
     def speed_error(self, speed):
         return self.noise * (SPEED_ERROR[0] * speed + SPEED_ERROR[1])
+
+    def impact_error(self, before, after):
+        """Of all four values of an impact, which states one error."""
+        return self.speed_error(np.maximum(before, after))
 
     def draw_blocks(self, count):
         r, rows = self.random, []
@@ -232,13 +269,14 @@ class Case:
         results = sqlite3.connect(folder / "out" / "results.gpkg")
         names = [f"ES{k + 1}" for k in range(2)] + [name for name, _ in extra]
         stops = results.execute("SELECT block, block_id, mass_kg, geom FROM stopping_points ORDER BY block").fetchall()
+        self.left = results.execute("SELECT count(*) FROM stopping_points WHERE stop_reason = 'left_terrain'").fetchone()[0]  # of the blocks thrown last
         values = np.full((len(stops), 2 + 3 * len(names) + FILMED), np.nan)
         at = {block: row for row, (block, *_) in enumerate(stops)}
         for block, _, mass, point in stops:
             values[at[block], :2] = mass, easting(point) - terrains.EAST
-        for screen, block, *passing in results.execute("SELECT screen, block, speed_ms, height_m, spin_rads FROM screen_crossings ORDER BY fid"):
+        for screen, block, *passing in results.execute("SELECT screen, block, speed_ms, height_m, spin_rads FROM screen_crossings ORDER BY fid DESC"):
             k = 2 + 3 * names.index(screen)
-            values[at[block], k:k + 3] = passing
+            values[at[block], k:k + 3] = passing  # last that of the first crossing
         if "impacts" in self.instruments:
             for impact, block, *filmed in results.execute(f"SELECT impact, block, {', '.join(IMPACT_FIELDS)} FROM impacts ORDER BY fid"):
                 k = values.shape[1] - FILMED + len(IMPACT_FIELDS) * (impact - 1)
@@ -262,6 +300,7 @@ class Case:
             v[:, 5:8] = values[:, 8 + 3 * k:11 + 3 * k]
         for k in range(2):
             speed, height, spin = (v[:, 2 + 3 * k + i] for i in range(3))
+            slow = speed < q if name == "slow_missed" else np.zeros(len(v), dtype=bool)
             speed += self.speed_error(speed) * random.standard_normal(len(v))
             if name == "speed_bias":
                 speed *= 1.0 + q
@@ -271,18 +310,19 @@ class Case:
             height += height_error * random.standard_normal(len(v)) + (q if name == "height_datum" else 0.0)
             spin += spin_error * random.standard_normal(len(v))
             np.maximum(spin, 0.0, out=spin)
-            if name == "slow_missed":
-                v[speed < q, 2 + 3 * k:5 + 3 * k] = np.nan
+            v[slow, 2 + 3 * k:5 + 3 * k] = np.nan
         if "impacts" in self.instruments:
-            for k in range(8, 8 + FILMED, 2):
-                speed, rise = v[:, k], v[:, k + 1]
-                for one in (speed, rise):
-                    one += self.speed_error(np.abs(one)) * random.standard_normal(len(v))
-                    if name == "speed_bias":
-                        one *= 1.0 + q
-                if name == "speed_noise":
-                    speed += q * random.standard_normal(len(v))
-                np.maximum(speed, 0.0, out=speed)
+            for first in range(8, 8 + FILMED, len(IMPACT_FIELDS)):
+                error = self.impact_error(v[:, first], v[:, first + 2])
+                for k in (first, first + 2):
+                    speed, rise = v[:, k], v[:, k + 1]
+                    for one in (speed, rise):
+                        one += error * random.standard_normal(len(v))
+                        if name == "speed_bias":
+                            one *= 1.0 + q
+                    if name == "speed_noise":
+                        speed += q * random.standard_normal(len(v))
+                    np.maximum(speed, 0.0, out=speed)
         v[:, 1] += position_error * random.standard_normal(len(v))
         if name == "ids_shuffled" and q > 0.0:
             some = np.flatnonzero(random.uniform(size=len(v)) < q)
@@ -356,11 +396,11 @@ class Case:
             return math.sqrt(self.n * max(least, 0.0))
         return delta
 
-    def settled(self, work, effects, fault=None, rough=False):
-        """delta after a recalibration all over the ranges: along lines through the best point so far, then by the cross-entropy method, at last by derivatives. With half the blocks and steps it is good
-        enough to correct a strength by."""
+    def settled(self, work, effects, fault=None, rough=False, start=None):
+        """delta after a recalibration all over the ranges, and where that has led: along lines through the best point so far (or from a start), then by the cross-entropy method, at last by derivatives. With
+        half the blocks and steps it is good enough to correct a strength by."""
         share = 2 if rough else 1
-        count, along, generations = self.args.count // share, ALONG // share, GENERATIONS // share
+        count, along, generations = self.args.count // share, ALONG // share, GENERATIONS // (share if start is None else 2)
         keys = [(soil, key) for soil in self.soils for key in ABSORBING]
         low, high = (np.array([math.log(ABSORBING[key][k]) if key == "rolling" else ABSORBING[key][k] for _, key in keys]) for k in (1, 2))
         width = np.array([ABSORBING[key][0] for _, key in keys]) / (high - low)
@@ -385,8 +425,9 @@ class Case:
             return float(np.sum((whitening(model) @ (hidden - model).mean(axis=0)) ** 2))
         truth = np.array([math.log(self.soils[soil][key]) if key == "rolling" else self.soils[soil][key] for soil, key in keys])
         best = (truth - low) / (high - low)
-        best = (left(best), best)
-        for axes in [] if self.args.search == "none" else [[k for k, (_, key) in enumerate(keys) if key == one] for one in ABSORBING] + [[k] for k in range(len(keys))]:
+        best = min([(left(u), u) for u in ([best] if start is None else [best, start])], key=lambda pair: pair[0])
+        lines = [[k for k, (_, key) in enumerate(keys) if key == one] for one in ABSORBING] + [[k] for k in range(len(keys))]
+        for axes in lines if start is None and self.args.search == "whole" else []:
             line = np.tile(best[1], (along, 1))
             line[:, axes] = np.linspace(0.04, 0.96, along)[:, None]
             best = min([best] + [(left(u), u) for u in line], key=lambda pair: pair[0])
@@ -397,26 +438,32 @@ class Case:
             best = min(best, elite[0], key=lambda pair: pair[0])
             chosen = np.array([u for _, u in elite] + [best[1]])
             mean, deviation = chosen.mean(axis=0), np.maximum(0.6 * chosen.std(axis=0) + 0.35 * deviation, 0.005)
-        whiten = whitening(sample(2 * count, seeds[2], mean))
+        hidden = sample(2 * count, seeds[3], None, effects, fault)
+        ends = [(sample(2 * count, seeds[2], u), u) for u in (mean, best[1])]  # the least of many small samples is a lucky one
+        model, place = min(ends, key=lambda end: np.sum((whitening(end[0]) @ (hidden.mean(axis=0) - end[0].mean(axis=0))) ** 2))
+        whiten = whitening(model)
         J = []
         for k in range(len(keys)):
-            ends = [np.clip(mean + sign * width * (np.arange(len(keys)) == k), 0.0, 1.0) for sign in (-1.0, 1.0)]
-            J.append((sample(count, seeds[2], ends[1]) - sample(count, seeds[2], ends[0])).mean(axis=0) * width[k] / (ends[1] - ends[0])[k])
-        J = whiten @ np.array(J).T
-        remains = np.eye(len(J)) - J @ np.linalg.solve(self.n * J.T @ J + np.eye(len(keys)) / RANGE ** 2, self.n * J.T)
-        ends = sample(2 * count, seeds[2], mean), sample(2 * count, seeds[3], None, effects, fault)
-        rest = remains @ whiten @ (ends[1].mean(axis=0) - ends[0].mean(axis=0))
-        by_chance = sum(np.trace(remains @ whiten @ np.cov(end.T) @ whiten.T @ remains.T) / len(end) for end in ends)
-        return math.sqrt(self.n * max(float(rest @ rest) - by_chance, 0.0))
+            sides = [np.clip(place + sign * width * (np.arange(len(keys)) == k), 0.0, 1.0) for sign in (-1.0, 1.0)]
+            J.append((sample(count, seeds[2], sides[1]) - sample(count, seeds[2], sides[0])).mean(axis=0) * width[k] / (sides[1] - sides[0])[k])
+        J, difference = whiten @ np.array(J).T, whiten @ (hidden.mean(axis=0) - model.mean(axis=0))
+        # parameters end where their ranges do: what a step beyond would explain is not explained
+        steps = bounded(self.n * J.T @ J + np.eye(len(keys)) / RANGE ** 2, self.n * J.T @ difference, -place / width, (1.0 - place) / width)
+        free = (steps > -place / width) & (steps < (1.0 - place) / width)
+        inner = J[:, free]
+        remains = np.eye(len(J)) - inner @ np.linalg.solve(self.n * inner.T @ inner + np.eye(inner.shape[1]) / RANGE ** 2, self.n * inner.T)
+        rest = remains @ (difference - J[:, ~free] @ steps[~free])
+        by_chance = sum(np.trace(remains @ whiten @ np.cov(end.T) @ whiten.T @ remains.T) / len(end) for end in (model, hidden))
+        return math.sqrt(self.n * max(float(rest @ rest) - by_chance, 0.0)), np.clip(place + width * steps, 0.0, 1.0)
 
     def solve(self, strength_to_delta, start, largest):
-        """The strength that has the target; the nearest within its range if none has."""
+        """The strength that has the target, and its delta; the nearest within its range if none has."""
         low, high, q = 0.0, None, min(start, largest)
-        best = (math.inf, q)
+        best = (math.inf, q, 0.0)
         for _ in range(7):
             d = strength_to_delta(q)  # infinite: too strong
             if abs(d - self.target) < best[0]:
-                best = (abs(d - self.target), q)
+                best = (abs(d - self.target), q, d)
             if abs(d - self.target) < 0.1 * self.target:
                 break
             if d < self.target:
@@ -427,56 +474,90 @@ class Case:
             else:
                 high = q
                 q = 0.5 * (low + high)
-        return best[1]
+        return best[1:]
 
     def correct(self, settled, q, largest):
-        """The strength, changed in proportion until its settled delta is near the target."""
-        for _ in range(0 if self.args.search == "none" else CORRECTIONS):
-            reached = settled(q)
-            if self.target / 1.5 < reached < 1.5 * self.target or (q >= largest and reached < self.target):
+        """Of the strengths that are tried the one whose settled delta is nearest to the target, and where the recalibration has led there."""
+        tried, place = [], None
+        for _ in range(1 + CORRECTIONS):
+            reached, place = settled(q, place)
+            tried.append((abs(math.log(max(reached, 1e-3) / self.target)), q, reached, place))
+            if self.target / 1.5 < reached < 1.5 * self.target:
                 break
-            q = float(min(largest, q * min(max(self.target / max(reached, 1e-9), 1.0 / 3.0), 3.0)))
-        return q
+            if reached < self.target and (q >= largest or (len(tried) > 1 and q > tried[-2][1] and reached < tried[-2][2])):
+                q = min(t[1] for t in tried) / 3.0  # more of it may be absorbed the better: a restitution that has fallen to nothing
+            else:
+                q = float(min(largest, q * min(max(self.target / max(reached, 1e-9), 1.0 / 3.0), 3.0)))
+        _, q, _, place = min(tried, key=lambda t: t[0])
+        return q, place
 
     # ---- the whole ----
 
     def hide(self, work):
-        """The truth, with strengths that have the delta that was drawn."""
-        truth = {"case": self.number, "tier": self.tier, "slope": self.slope, "n": self.n, "ids": self.ids, "instruments": self.instruments, "noise": self.noise,
-                 "soils": self.soils, "hidden": [], "target": self.target if self.tier not in (4, 5) else None}
+        """The truth, with strengths that have the delta that was drawn. What cannot be seen, or makes blocks leave the terrain, is drawn anew."""
+        unseen = 0
+        for _ in range(LEAVING):
+            truth = {"case": self.number, "tier": self.tier, "slope": self.slope, "n": self.n, "ids": self.ids, "instruments": self.instruments, "noise": self.noise,
+                     "soils": self.soils, "hidden": [], "target": self.target if self.tier not in (4, 5) else None}
+            if self.all_stay(work, truth):
+                truth["hidden"] = self.hidden(work)
+                if self.all_stay(work, truth):
+                    seen = all(h["delta"] is None or h["delta"] >= LEAST_DELTA for h in truth["hidden"])
+                    unseen += not seen
+                    if seen or unseen == ATTEMPTS or self.args.search == "none":
+                        return truth
+            self.draw_hidden()
+        sys.exit(f"case {self.number}: blocks leave the terrain whatever is drawn")
+
+    def all_stay(self, work, truth):
+        self.field_test(work, truth)
+        return self.left == 0
+
+    def hidden(self, work):
+        """What a truth has hidden; with the delta near the parameters alone where not even that can be seen."""
+        hidden, whole = [], self.args.search == "whole"
         if self.effects or self.fault:
             delta = self.detectability(work)
         for effect in self.effects:
             name, (families, start, largest, text), _ = effect
-            effect[2] = self.solve(lambda q: delta([text(q, self.at)]), start, largest)
-            effect[2] = self.correct(lambda q: self.settled(work, [text(q, self.at)], rough=True), effect[2], largest)
-            reached = self.settled(work, [text(effect[2], self.at)])  # from other blocks than those that the strength was chosen with
-            truth["hidden"].append({"name": name, "families": families, "strength": effect[2], "delta": reached,
-                                    "at": self.at if name in LOCAL else None, "entry": text(effect[2], self.at)})
+            effect[2], reached = self.solve(lambda q: delta([text(q, self.at)]), start, largest)
+            place = None
+            if whole and reached >= LEAST_DELTA:
+                effect[2], place = self.correct(lambda q, at: self.settled(work, [text(q, self.at)], rough=True, start=at), effect[2], largest)
+            if reached >= LEAST_DELTA or not whole:
+                reached, _ = self.settled(work, [text(effect[2], self.at)], start=place)  # from other blocks than those that the strength was chosen with
+            hidden.append({"name": name, "families": families, "strength": effect[2], "delta": reached,
+                           "at": self.at if name in LOCAL else None, "entry": text(effect[2], self.at)})
         if self.fault:
             families, start, largest = FAULTS[self.fault[0]]
+            place = None
             if self.fault[0] == "screen_shift":
                 sign = 1.0 if self.random.uniform() < 0.5 else -1.0
                 options = [(abs(delta((), ("screen_shift", s)) - self.target), s) for s in SHIFTS if s * sign > 0]
                 self.fault[1] = min(options)[1]
             else:
-                self.fault[1] = self.solve(lambda q: delta((), (self.fault[0], q)), start, largest)
-                self.fault[1] = self.correct(lambda q: self.settled(work, (), (self.fault[0], q), rough=True), self.fault[1], largest)
-            reached = self.settled(work, (), tuple(self.fault))
-            truth["hidden"].append({"name": self.fault[0], "families": families, "strength": self.fault[1], "delta": reached, "at": None})
+                self.fault[1], _ = self.solve(lambda q: delta((), (self.fault[0], q)), start, largest)
+                if whole:
+                    self.fault[1], place = self.correct(lambda q, at: self.settled(work, (), (self.fault[0], q), rough=True, start=at), self.fault[1], largest)
+            reached, _ = self.settled(work, (), tuple(self.fault), start=place)
+            hidden.append({"name": self.fault[0], "families": families, "strength": self.fault[1], "delta": reached, "at": None})
         if self.tier == 4:
-            truth["hidden"].append({"name": "three dimensions", "families": ["third_dimension"], "strength": None, "delta": None, "at": None})
-        return truth
+            hidden.append({"name": "three dimensions", "families": ["third_dimension"], "strength": None, "delta": None, "at": None})
+        return hidden
 
-    def write(self, work, truth):
-        """The field test of a truth, the same whenever it is thrown."""
+    def field_test(self, work, truth):
+        """What was measured of a truth, the same whenever it is thrown, and the ids of the blocks."""
         random = self.chance_of("/thrown")
-        fault = (truth["hidden"][0]["name"], truth["hidden"][0]["strength"]) if self.fault else None
+        fault = (truth["hidden"][0]["name"], truth["hidden"][0]["strength"]) if self.fault and truth["hidden"] else None
         effects = [hidden["entry"] for hidden in truth["hidden"] if "entry" in hidden]
         values, ids = self.throw(work, self.n, int(random.integers(1, 2 ** 31)), None, effects, 3 if self.tier == 4 else 2, every=True)
+        return self.measure(values, random, fault), ids
+
+    def write(self, work, truth):
+        measured, ids = self.field_test(work, truth)
         case = self.args.folder / "cases" / f"{self.number:04d}"
         shutil.rmtree(case, ignore_errors=True)
-        self.write_tables(case, self.measure(values, random, fault), ids)
+        self.write_tables(case, measured, ids)
         soils = {name: dict(START) for name in self.soils}
         (case / "site.toml").write_text(self.site(f"../../sites/{self.slope}", soils, (), "blocks.csv", self.n, 1))  # last: the case is whole
 
@@ -514,16 +595,8 @@ class Case:
                 for k in range(IMPACTS):
                     pair = v[8 + len(IMPACT_FIELDS) * k:8 + len(IMPACT_FIELDS) * (k + 1)]
                     if all(math.isfinite(x) for x in pair):
-                        error = self.speed_error(max(pair[0], pair[2]))
+                        error = self.impact_error(pair[0], pair[2])
                         table.writerow([name, k + 1, *(f"{x:.2f}" for x in pair), f"{error:.2f}", f"{error:.2f}"])
-
-
-def hash_of(case):
-    """Of all that the finder gets."""
-    text = hashlib.sha256()
-    for path in sorted(path for path in case.rglob("*") if path.is_file()):
-        text.update(f"{path.relative_to(case)}\0".encode() + path.read_bytes() + b"\0")
-    return text.hexdigest()
 
 
 def compile_laws(folder):
@@ -559,7 +632,11 @@ def main():
             if known and written.exists():
                 continue
             case = Case(args, number)
-            truth = json.loads(target.read_text()) if known else case.hide(work)
+            if known:
+                truth = json.loads(target.read_text())
+                case.take(truth)
+            else:
+                truth = case.hide(work)
             case.write(work, truth)
             thrown = hash_of(written.parent)
             if known and truth.get("field_test_sha256") != thrown:

@@ -15,7 +15,9 @@ import sys
 import tarfile
 from pathlib import Path
 
-KEPT = ("program", "verdict", "sentence", "answer", "weight_none", "weight_unnamed", "measured_blocks", "simulated_blocks")
+from seals import seals
+
+KEPT = ("program", "field_test_sha256", "verdict", "sentence", "answer", "weight_none", "weight_unnamed", "measured_blocks", "simulated_blocks")
 
 
 def condensed(found):
@@ -35,29 +37,29 @@ def main():
     finders = {(folder / "finder.json").read_text() for folder in args.folders if (folder / "finder.json").exists()}
     if len(finders) > 1:
         sys.exit("the folders were found by different programs or with different settings")
-    seals, files = {}, {}
+    sealed, files = {}, {}
     for folder in args.folders:
-        for line in (folder / "sealed.sha256").read_text().splitlines():
-            digest, name = line.split()
-            if seals.setdefault(name, digest) != digest:
+        for name, digest in seals(folder).items():
+            if sealed.setdefault(name, digest) != digest:
                 sys.exit(f"{folder}: {name} was sealed twice")
         for found in (folder / "found").glob("*.json"):
             name = f"sealed/{found.name}"
             files[name] = (folder / name).read_bytes()
             files[f"found/{found.name}"] = condensed(found)
-        for refused in (folder / "found").glob("*.error"):  # counted as not found
+        for refused in (folder / "found").glob("*.error"):
             files[f"sealed/{refused.stem}.json"] = (folder / "sealed" / f"{refused.stem}.json").read_bytes()
+            files[f"found/{refused.name}"] = refused.read_bytes()
     args.target.mkdir(parents=True, exist_ok=True)
-    (args.target / "sealed.sha256").write_text("".join(f"{seals[name]}  {name}\n" for name in sorted(seals)))
+    (args.target / "sealed.sha256").write_text("".join(f"{sealed[name]}  {name}\n" for name in sorted(sealed)))
     if not files:
-        sys.exit(f"{len(seals)} hashes kept, nothing was found yet")
+        sys.exit(f"{len(sealed)} hashes kept, nothing was found yet")
     (args.target / "finder.json").write_text(finders.pop())
     with tarfile.open(args.target / "run.tar.xz", "w:xz") as tar:
         for name in sorted(files):
             member = tarfile.TarInfo(name)
             member.size = len(files[name])
             tar.addfile(member, io.BytesIO(files[name]))
-    print(f"{sum(name.startswith('found') for name in files)} of {len(seals)} cases kept")
+    print(f"{sum(name.startswith('found') for name in files)} of {len(sealed)} cases kept")
 
 
 if __name__ == "__main__":

@@ -24,7 +24,7 @@ enum Law {
     kBounceGrows,           // e grows with the speed of impact
     kRollingWeakensBySpin,  // mu_r falls with spin
     kStripes,               // mu in stripes of 8 m
-    kStickyDrag             // drag that is strongest when slow
+    kFadingDrag             // drag that is strongest at 2 m/s and fades with speed
 };
 
 double speed_of(const scree_contact_state* s) {
@@ -62,7 +62,7 @@ extern "C" void scree_ground_drag(const scree_contact_state* s, scree_ground_dra
         case kShrubs:
             if (s->position[0] > s->number[2] && s->position[0] < s->number[3]) drag->linear = 300.0 * a / s->mass;
             break;
-        case kStickyDrag: drag->linear = a / (1.0 + v); break;
+        case kFadingDrag: drag->linear = a / (1.0 + v * v / 4.0); break;
         default: break;
     }
 }

@@ -5,7 +5,7 @@
 Usage: score.py FOLDER [--table FILE] [--picture FILE]
 
 Prints rates with their 95 % intervals (Wilson), of all cases and of those with 50 blocks, power by delta, of all effects together and of each, and a confusion
-matrix; --table writes one line per case, --picture draws the power curve (needs python3-matplotlib). FOLDER/settled.csv, if there is one, has deltas that were taken
+matrix; a case that the program refused counts as one in which nothing was detected. --table writes one line per case, --picture draws the power curve (needs python3-matplotlib). FOLDER/settled.csv, if there is one, has deltas that were taken
 again (of test-H).
 """
 import argparse
@@ -19,10 +19,16 @@ import sys
 from pathlib import Path
 
 import terrains
+from seals import seals
 
 AXIS_FROM_HEAD = terrains.RELEASE + 5.0 - 1.5  # the axis of the observations begins in the middle of the release, the profile at its head [m]
 BINS = (0.0, 1.5, 2.5, 3.75, 5.25, 7.5, math.inf)
 ONE_HIDDEN = (0, 1, 3, 6)  # tiers
+VISIBLE = 2.5  # delta of each of two effects from which both may be asked for
+# where a fault's strength stands in an answer: form and parameter
+REFUSED = {"verdict": "REFUSED", "answer": [], "effects": [], "simulated_blocks": 0}
+FAULTS = {"speed_bias": ("speed_error", "bias"), "speed_noise": ("speed_error", "noise"), "slow_missed": ("slow_missed", "least_speed"),
+          "ids_shuffled": ("ids_shuffled", "share"), "height_datum": ("height_datum", "offset")}
 
 
 def wilson(hits, n):
@@ -39,15 +45,6 @@ def share(hits, n):
     return f"{100 * hits / n:.3g} % of {n} ({low:g} to {high:g})"
 
 
-def seals(folder):
-    hashes = {}
-    for line in (folder / "sealed.sha256").read_text().splitlines():
-        value, name = line.split()
-        if hashes.setdefault(name, value) != value:
-            sys.exit(f"{folder / 'sealed.sha256'}: {name} was sealed twice")
-    return hashes
-
-
 def taken_again(folder):
     """Deltas that were taken again, by case and name of what is hidden."""
     table = folder / "settled.csv"
@@ -55,32 +52,42 @@ def taken_again(folder):
 
 
 def read(folder):
-    hashes, cases, missing = seals(folder), [], []
+    cases, missing = [], []
     settled = taken_again(folder)
-    for file in sorted((folder / "sealed").glob("*.json")):
-        text = file.read_bytes()
-        if hashlib.sha256(text).hexdigest() != hashes[f"sealed/{file.name}"]:
-            sys.exit(f"{file}: is not the truth that was sealed")
+    for name, value in sorted(seals(folder).items()):
+        file = folder / name
         found = folder / "found" / file.name
-        if not found.exists():
+        if not file.exists():
+            if found.exists():
+                sys.exit(f"{file}: the truth of a case that was found is not there")
             missing.append(file.stem)
             continue
-        truth, result = json.loads(text), json.loads(found.read_text())
+        text = file.read_bytes()
+        if hashlib.sha256(text).hexdigest() != value:
+            sys.exit(f"{file}: is not the truth that was sealed")
+        if not found.exists() and not found.with_suffix(".error").exists():
+            missing.append(file.stem)
+            continue
+        truth, result = json.loads(text), json.loads(found.read_text()) if found.exists() else REFUSED
+        if "field_test_sha256" in result and result["field_test_sha256"] != truth["field_test_sha256"]:
+            sys.exit(f"{found}: was found from another field test than the one that was sealed")
         answer = result["answer"]
         taken_back = bool(answer) and result["verdict"] == "UNKNOWN"  # by the blocks that were held out, or by what is left over all
         names = [a["effect"] for a in answer] if not taken_back else []
         ranked = sorted((f for f in result["effects"] if f.get("weight") is not None), key=lambda f: -f["weight"])
         families = [set(h["families"]) for h in truth["hidden"]]
         right = [any(name in f for f in families) for name in names]
+        together = bool(answer) and answer[0]["together"]
+        both = len(families) == 2 and len(names) == 2 and all(any(name in f for name in names) for f in families)
         # of the hidden effect where several are named, else of the best
         judged = next((a for a in answer if any(a["effect"] in f for f in families)), answer[0] if answer else {})
+        deltas = [settled.get((truth["case"], h["name"]), h["delta"]) for h in truth["hidden"] if h["delta"] is not None]
         cases.append({
             "case": truth["case"], "tier": truth["tier"], "slope": truth["slope"], "n": truth["n"], "ids": truth["ids"],
             "instruments": "+".join(truth["instruments"]), "hidden": " and ".join(h["name"] for h in truth["hidden"]) or "nothing",
-            "delta": max((settled.get((truth["case"], h["name"]), h["delta"]) for h in truth["hidden"] if h["delta"] is not None), default=None), "verdict": result["verdict"],
-            "names": (" and " if answer and answer[0]["together"] else " or ").join(names), "taken_back": taken_back,
-            "right": any(right), "all_right": bool(right) and all(right),
-            "both": len(families) == 2 and len(names) == 2 and all(any(name in f for name in names) for f in families),
+            "delta": max(deltas, default=None), "least_delta": min(deltas, default=None), "verdict": result["verdict"],
+            "names": (" and " if together else " or ").join(names), "taken_back": taken_back,
+            "right": both if together else any(right), "one_right": any(right), "both": both,
             "top": bool(ranked) and any(ranked[0]["effect"] in f for f in families), "p": result.get("global_test", {}).get("p"),
             "covered": covered(truth, answer) if names else None, "closed": judged.get("removable_gap_closed"),
             "worse": judged["held_out_loss"] >= result["baseline"]["held_out_loss"] if "held_out_loss" in judged else None,
@@ -99,18 +106,20 @@ def place_error(truth, answer):
 
 
 def covered(truth, answer):
-    """Whether the interval of a strength holds the hidden one, where the name, form and parameter are the hidden ones; else None."""
+    """Whether the interval of a strength holds the hidden one, where the name, form and parameter are the hidden ones; else None. Where a screen stood is not asked: it may be either."""
     for a in answer:
         for h in truth["hidden"]:
             entry = dict(line.split(" = ", 1) for line in h.get("entry", "").splitlines() if " = " in line)
+            low, high = a["interval_95"]
             if entry.get("kind") == json.dumps(a["form"]) and a["parameter"] in entry:
-                low, high = a["interval_95"]
                 return low <= float(entry[a["parameter"]]) <= high
+            if FAULTS.get(h["name"]) == (a["form"], a["parameter"]):
+                return low <= h["strength"] <= high
     return None
 
 
 def detected(case):
-    return case["verdict"] != "NONE"
+    return case["verdict"] not in ("NONE", "REFUSED")
 
 
 def by_delta(cases):
@@ -172,8 +181,8 @@ def main():
     def single(c):
         return bool(c["names"]) and " or " not in c["names"] and " and " not in c["names"]
 
-    def wrong(c):  # of two names both must be right
-        return named(c) and not (c["both"] if " and " in c["names"] else c["right"])
+    def wrong(c):
+        return named(c) and not c["right"]
 
     def physical(c):
         return c["tier"] in (0, 1)
@@ -185,7 +194,9 @@ def main():
         print(f"deltas that were taken again: of {len({case for case, _ in settled})} cases; on record for the others: up to "
               f"{max((c['delta'] for c in cases if c['delta'] is not None and (c['case'], c['hidden'].split(' and ')[0]) not in settled), default=0.0):.2f}")
     if missing:
-        print(f"not found, and in none of the rates: {len(missing)} ({', '.join(missing)})")
+        print(f"not found, or their truths are not here, and in none of the rates: {len(missing)} ({', '.join(missing)})")
+    if refused := [f"{c['case']:04d}" for c in cases if c["verdict"] == "REFUSED"]:
+        print(f"refused, and counted as nothing detected: {len(refused)} ({', '.join(refused)})")
     print(f"\n{'':<45}{'all cases (95 % interval)':<28}50 blocks")
     print("false alarms where nothing is hidden        ", rate(lambda c: c["tier"] == 5, detected))
     print("wrong name where nothing is hidden          ", rate(lambda c: c["tier"] == 5, wrong))
@@ -197,13 +208,16 @@ def main():
                       ("of an effect on blocks or ground", lambda c: c["verdict"] == "NAMED" and c["names"] != "third_dimension")):
         print(f"  {words:<42}", rate(lambda c: single(c) and of(c), lambda c: c["right"]))
     print("truth among the names, where any are printed", rate(lambda c: c["tier"] in (0, 1, 6) and c["names"], lambda c: c["right"]))
+    print("truth in a printed group of 2 or 3          ", rate(lambda c: c["tier"] in (0, 1, 6) and c["verdict"] == "GROUP" and c["names"].count(" or ") <= 2, lambda c: c["right"]))
     for words, instruments in (("stops and speeds", "stops+speed"), ("heights, spins", "stops+speed+height+spin"),
                                ("heights, spins, impacts", "stops+speed+height+spin+impacts")):
         print(f"best of detected is right, {words:<18}", rate(lambda c: physical(c) and detected(c) and c["instruments"] == instruments, lambda c: c["top"]))
     print("outside the catalogue: wrong name           ", rate(lambda c: c["tier"] == 3, named))
+    print("outside, detected: wrong name               ", rate(lambda c: c["tier"] == 3 and detected(c), named))
     print("outside, detected: UNKNOWN or GROUP         ", rate(lambda c: c["tier"] == 3 and detected(c), lambda c: c["verdict"] in ("UNKNOWN", "GROUP")))
-    print("two effects, detected: a name is right      ", rate(lambda c: c["tier"] == 2 and detected(c), lambda c: c["right"]))
+    print("two effects, detected: a name is right      ", rate(lambda c: c["tier"] == 2 and detected(c), lambda c: c["one_right"]))
     print("two effects, detected: both are named       ", rate(lambda c: c["tier"] == 2 and detected(c), lambda c: c["both"]))
+    print("  where each has a delta of 2.5 and more    ", rate(lambda c: c["tier"] == 2 and detected(c) and c["least_delta"] >= VISIBLE, lambda c: c["both"]))
     print("two names said, both are right              ", rate(lambda c: " and " in c["names"], lambda c: c["both"]))
     print("3D under a 2D model: a wrong name           ", rate(lambda c: c["tier"] == 4, wrong))
     print("3D under a 2D model, detected: right         ", rate(lambda c: c["tier"] == 4 and detected(c), lambda c: c["right"]))

@@ -37,7 +37,9 @@ def write(folder):
         text = json.dumps(truth).encode()
         (folder / "sealed" / f"{k:04}.json").write_bytes(text)
         lines.append(f"{hashlib.sha256(text).hexdigest()}  sealed/{k:04}.json")
-        if found:
+        if found is score.REFUSED:
+            (folder / "found" / f"{k:04}.error").write_text("error: nothing was measured")
+        elif found:
             (folder / "found" / f"{k:04}.json").write_text(json.dumps(found))
     (folder / "sealed.sha256").write_text("\n".join(lines) + "\n")
 
@@ -73,6 +75,13 @@ def main():
     case(6, [(speeds, 9.0, {})], "NONE")
     case(0, [(drag, 9.0, {})], "NONE")
     FOUND[-1] = None  # not looked at yet: in no rate
+    case(1, [(drag, 9.0, {})], "REFUSED")  # counts as not detected
+    FOUND[-1] = score.REFUSED
+    case(1, [(drag, 9.0, {})], "NAMED", ["ground_drag", "soil_patch"], together=True, ranked=[("ground_drag", 0.7)])  # of one that is hidden, two: wrong
+    case(6, [(speeds, 9.0, {"name": "speed_noise", "strength": 2.0})], "DATA PROBLEM", ["speed_error"], form="speed_error", parameter="noise")  # its interval holds the strength
+    case(1, [(drag, 3.0, {})], "GROUP", ["soil_patch", "roughness"], ranked=[("soil_patch", 0.5)])  # not in the group
+    case(1, [(drag, 3.0, {})], "GROUP", ["soil_patch", "roughness", "low_friction", "ground_drag"], ranked=[("soil_patch", 0.5)])  # too large a group
+    case(2, [(drag, 4.0, {}), (patch, 1.0, {})], "UNKNOWN")  # one of the two cannot be seen
 
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
@@ -81,18 +90,19 @@ def main():
         with redirect_stdout(io.StringIO()) as out:
             score.main()
     said = out.getvalue()
-    for start, hits, n in (("false alarms", 3, 4), ("wrong name where nothing is hidden", 1, 4), ("wrong name, all", 4, 19),
-                           ("a single printed name is right", 7, 10), ("  where the catalogue has", 7, 9), ("  of a fault", 1, 1),
-                           ("  of the third dimension", 1, 1), ("  of an effect on blocks", 5, 8), ("truth among the names", 6, 7),
-                           ("best of detected is right, stops and speeds", 4, 6), ("outside the catalogue: wrong name", 1, 2), ("outside, detected", 1, 2),
-                           ("two effects, detected: a name is right", 3, 3), ("two effects, detected: both", 1, 3), ("two names said", 1, 2),
-                           ("3D under a 2D model: a wrong", 0, 1), ("3D under a 2D model, detected", 1, 1), ("fault of measurement, detected", 1, 1),
-                           ("held-out blocks worse", 1, 3), ("names that were taken back", 1, 1), ("interval of the strength", 1, 2),
+    for start, hits, n in (("false alarms", 3, 4), ("wrong name where nothing is hidden", 1, 4), ("wrong name, all", 5, 25),
+                           ("a single printed name is right", 8, 11), ("  where the catalogue has", 8, 10), ("  of a fault", 2, 2),
+                           ("  of the third dimension", 1, 1), ("  of an effect on blocks", 5, 8), ("truth among the names", 8, 11), ("truth in a printed group", 1, 2),
+                           ("best of detected is right, stops and speeds", 5, 9), ("outside the catalogue: wrong name", 1, 2), ("outside, detected: wrong name", 1, 2),
+                           ("outside, detected: UNKNOWN", 1, 2), ("two effects, detected: a name is right", 3, 4), ("two effects, detected: both", 1, 4),
+                           ("  where each has a delta", 1, 3), ("two names said", 1, 3),
+                           ("3D under a 2D model: a wrong", 0, 1), ("3D under a 2D model, detected", 1, 1), ("fault of measurement, detected", 2, 2),
+                           ("held-out blocks worse", 1, 4), ("names that were taken back", 1, 1), ("interval of the strength", 2, 3),
                            ("place within", 1, 1)):
         assert line(said, start)[0] == score.share(hits, n), f"{start}: {line(said, start)[0]} is said, {hits} of {n} is right\n{said}"
     assert line(said, "false alarms")[1] == score.share(2, 3), said  # the case of 30 blocks is not among them
-    for words in ("19 cases, of which nothing hidden in 4", "in none of the rates: 1 (0019)", "median error        2.0 m of 1",
-                  f"  2.50 to 3.75  {score.share(3, 3):<28}{score.share(3, 3):<28}{score.share(2, 3)}"):
+    for words in ("25 cases, of which nothing hidden in 4", "in none of the rates: 1 (0019)", "counted as nothing detected: 1 (0020)", "median error        2.0 m of 1",
+                  f"  2.50 to 3.75  {score.share(5, 5):<28}{score.share(5, 5):<28}{score.share(3, 5)}"):
         assert words in said, f"{words}\n{said}"
     low, high = score.wilson(8, 10)  # Wilson (1927): 0.490 to 0.943
     assert abs(low - 0.490) < 0.001 and abs(high - 0.943) < 0.001, (low, high)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The slopes of the blind cases: some for development, on which thresholds were chosen as on the sample sites; others for tests, whose cases were looked at when they had been scored; others again that no finder was changed after."""
+"""The slopes of the blind cases: some for development, on which thresholds were chosen as on the sample sites; others for tests, whose cases were looked at when they had been scored; others again for later tests."""
 import math
 import os
 import sys
@@ -17,15 +17,15 @@ gdal.UseExceptions()
 ogr.UseExceptions()
 osr.UseExceptions()
 
-EPSG, EAST, NORTH, WIDTH = 2154, 700000.0, 6500000.0, 40.0
+EPSG, EAST, NORTH, WIDTH = 2154, 700000.0, 6500000.0, 120.0  # so wide that blocks in 3D seldom leave at the sides
 RELEASE = 8.0                # [m] from the western edge
 
 # Reaches from the release down: (length [m], slope [degrees]), corners are rounded over some metres; "floor" is where the second soil begins;
 # screens stand at these distances from the western edge. The last ones end on the opposite side of the valley, which holds all blocks.
 SLOPES = {
-    "talus": {"reaches": [(18, 37), (42, 35), (15, 25), (15, 12), (70, 1)], "floor": 74.0, "screens": (35.0, 66.0), "crown": 10.0},
-    "benches": {"reaches": [(30, 37), (5, 55), (7, 3), (22, 38), (6, 4), (25, 35), (70, 1)], "floor": 102.0, "screens": (40.0, 78.0), "crown": 10.0},
-    "convex": {"reaches": [(15, 28), (20, 34), (20, 40), (6, 2), (25, 33), (20, 15), (70, 1)], "floor": 94.0, "screens": (50.0, 84.0), "crown": 8.0},
+    "talus": {"reaches": [(18, 37), (42, 35), (15, 25), (15, 12), (60, 0), (80, -12)], "floor": 74.0, "screens": (35.0, 66.0), "crown": 10.0},
+    "benches": {"reaches": [(30, 37), (5, 55), (7, 3), (22, 38), (6, 4), (25, 35), (60, 0), (80, -12)], "floor": 102.0, "screens": (40.0, 78.0), "crown": 10.0},
+    "convex": {"reaches": [(15, 28), (20, 34), (20, 40), (6, 2), (25, 33), (20, 15), (60, 0), (80, -12)], "floor": 94.0, "screens": (50.0, 84.0), "crown": 8.0},
     "couloir": {"reaches": [(22, 40), (10, 30), (28, 37), (18, 22), (15, 8), (100, 0)], "floor": 88.0, "screens": (38.0, 78.0), "crown": 10.0},
     "steps": {"reaches": [(20, 36), (4, 60), (9, 6), (26, 37), (5, 50), (8, 4), (20, 33), (100, 0)], "floor": 102.0, "screens": (52.0, 92.0), "crown": 10.0},
     "hollow": {"reaches": [(15, 43), (15, 38), (15, 34), (15, 28), (15, 18), (15, 8), (100, 0)], "floor": 78.0, "screens": (34.0, 64.0), "crown": 10.0},
