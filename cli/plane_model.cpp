@@ -163,8 +163,9 @@ void add_profiles(const SiteFile& site, SiteModel& model) {
     require_few_cells(c);
     if (c.population.list.empty()) c.population.filling = mean_filling(c.population.shape);
     try {
-        model.profile_release = std::make_unique<ProfileRelease>(model.release.layer, lines, s.releases.pattern,
-                                                                 c.cell_along, s.profile_release_distance);
+        model.profile_release =
+            std::make_unique<ProfileRelease>(model.release.layer, lines, s.releases.pattern,
+                                             model.terrain.data.grid.shape.cell, s.profile_release_distance);
     } catch (const InputError& e) {
         throw InputError(model.release.report.file + ": " + e.what());  // the core knows no files
     }

@@ -62,7 +62,7 @@ void add_blocks(std::vector<Setting<SiteSettings>>& keys) {
         "hull: random convex body that fills the box L1 x L2 x L3. sharp, round: the same with 10, 40 corners. box, "
         "eota: the box, the same with cut edges. ellipsoid. file: given points. In 2D the same as polygons in the "
         "rectangle "
-        "L1 x L2. Rounder runs farther."));
+        "L1 x L2. Rounder runs farther: in 3D round has fewer corners than a hull of 50 points (blocks.points)."));
     keys.push_back(blocks.integer(
         "points", {4, 2000}, AT(points),
         "Mean number of corners of hull (ellipsoid: the number). More makes rounder blocks, which run farther."));
@@ -261,7 +261,9 @@ void add_observed(std::vector<Setting<SiteSettings>>& keys) {
     keys.push_back(observed.flag(
         "matched", AT(observed.matched),
         "Simulate every measured block again and again with its own mass and lengths, if all of them have an id, "
-        "a mass and lengths. false: two pools, the measured blocks and the site's own population."));
+        "a mass and lengths; where some have and some have not, measurements are refused. false: two pools, the "
+        "measured "
+        "blocks and the site's own population."));
     keys.push_back(observed.integer(
         "repeats", {5, 1e5}, AT(observed.repeats),
         "How often every measured block is simulated. Fewer is faster and leaves the gap less certain."));
@@ -373,8 +375,10 @@ void add_diagnosis(std::vector<Setting<SiteSettings>>& keys) {
                              "Simulations of every block in a search for parameters that would make up for an effect, "
                              "for each strength that NONE and a plan say would be seen. 0: none, which is faster and "
                              "promises too much of strong effects."));
-    keys.push_back(d.integer("rounds", {1, 100}, AT(diagnosis.rounds),
-                             "Surveys on the way there, of simulations all around, at most."));
+    keys.push_back(d.integer(
+        "rounds", {1, 100}, AT(diagnosis.rounds),
+        "Surveys at the place to which an effect was followed, of simulations all around, at most; on the way "
+        "there are 15 smaller ones at most."));
 }
 
 }  // namespace

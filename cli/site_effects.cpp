@@ -113,7 +113,7 @@ void load_effects(const SiteFile& site, SiteTerrain& terrain) {
         } catch (const InputError& e) {
             throw InputError(site.file.string() + ": " + e.what());
         }
-        warn_of_narrow_berm(effect, terrain, terrain.effect_warnings);
+        if (effect.place.stations.empty()) warn_of_narrow_berm(effect, terrain, terrain.effect_warnings);
         terrain.effects.push_back(std::move(effect));
     }
     raise_berms(terrain.effects, terrain.data.grid);

@@ -116,6 +116,12 @@ SiteProfiles trace_site_profiles(const SiteFile& site, const SiteTerrain& terrai
     out.features = read_site_layer(site, input, free ? "starting points of profiles" : "guiding lines", kinds, terrain);
     out.inputs.push_back(site.resolve(input.file).string());
     out.warnings = out.features.report.warnings;
+    if (free && !s.profile_guide.file.empty())
+        out.warnings.emplace_back("profile.guide is not read with profile.mode = \"steepest\"; take guided or line");
+    if (!free && !s.profile_start.file.empty())
+        out.warnings.emplace_back("profile.start is not read with profile.mode = \"" +
+                                  std::string(kProfileModeNames[static_cast<std::size_t>(s.profile_mode)]) +
+                                  "\": its lines begin where they were drawn");
     ProfileTracer tracer(*terrain.surface, profile_settings(s));
     if (free)
         trace_from_starts(s, terrain, tracer, out);

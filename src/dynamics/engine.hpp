@@ -651,8 +651,9 @@ private:
     static constexpr double kAllowedRise =
         1e-6;  ///< height of fall by which the solver's tolerance may raise the energy of a step [m]
     static constexpr double kMoveInContact =
-        1.0;  ///< share of the block's thickness that its points move at most in a step with contact [-]
-    static constexpr double kMoveUnseen = 0.2;   ///< share of the thickness that they move between two looks in it [-]
+        1.0;  ///< share of half the block's thickness that its points move at most in a step with contact [-]
+    static constexpr double kMoveUnseen =
+        0.2;  ///< share of half the thickness that they move between two looks in it [-]
     static constexpr double kSameNormal = 1e-6;  ///< 1 - cosine below which two facets hold a vertex alike [-]
     static constexpr double kSamePlace = 0.02;   ///< of the radius: contacts closer than this are at one place [-]
     static constexpr double kEquilibriumShare =

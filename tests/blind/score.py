@@ -79,6 +79,7 @@ def read(folder):
         right = [any(name in f for f in families) for name in names]
         together = bool(answer) and answer[0]["together"]
         both = len(families) == 2 and len(names) == 2 and all(any(name in f for name in names) for f in families)
+        answered = [a["effect"] for a in answer]  # taken back or not
         # of the hidden effect where several are named, else of the best
         judged = next((a for a in answer if any(a["effect"] in f for f in families)), answer[0] if answer else {})
         deltas = [settled.get((truth["case"], h["name"]), h["delta"]) for h in truth["hidden"] if h["delta"] is not None]
@@ -91,7 +92,7 @@ def read(folder):
             "top": bool(ranked) and any(ranked[0]["effect"] in f for f in families), "p": result.get("global_test", {}).get("p"),
             "covered": covered(truth, answer) if names else None, "closed": judged.get("removable_gap_closed"),
             "worse": judged["held_out_loss"] >= result["baseline"]["held_out_loss"] if "held_out_loss" in judged else None,
-            "judged_right": any(judged.get("effect") in f for f in families), "place_error": place_error(truth, answer),
+            "judged_right": any(judged.get("effect") in f for f in families) and (not together or len(families) == 2 and all(any(name in f for name in answered) for f in families)), "place_error": place_error(truth, answer),
             "simulated": result["simulated_blocks"]})
     return cases, missing
 

@@ -97,7 +97,7 @@ def main():
                            ("outside, detected: UNKNOWN", 1, 2), ("two effects, detected: a name is right", 3, 4), ("two effects, detected: both", 1, 4),
                            ("  where each has a delta", 1, 3), ("two names said", 1, 3),
                            ("3D under a 2D model: a wrong", 0, 1), ("3D under a 2D model, detected", 1, 1), ("fault of measurement, detected", 2, 2),
-                           ("held-out blocks worse", 1, 4), ("names that were taken back", 1, 1), ("interval of the strength", 2, 3),
+                           ("held-out blocks worse", 1, 3), ("names that were taken back", 1, 1), ("interval of the strength", 2, 3),
                            ("place within", 1, 1)):
         assert line(said, start)[0] == score.share(hits, n), f"{start}: {line(said, start)[0]} is said, {hits} of {n} is right\n{said}"
     assert line(said, "false alarms")[1] == score.share(2, 3), said  # the case of 30 blocks is not among them

@@ -70,7 +70,37 @@ TEST(Run, SaysThatManyBlocksLeftOrWereStillMoving) {
     EXPECT_THAT(run_2d(folder / "usual").err, Not(HasSubstr(" of 20 blocks ")));
 }
 
+// Cells of the results are no cells of the release.
+TEST(Plane, TheCellOfTheResultsMovesNoBlock) {
+    const TempDir folder;
+    const auto stops = [&](const char* name, const char* cell) {
+        const Outcome run = run_2d(folder / name, {"release.pattern=cells", std::string("output.resolution=") + cell});
+        EXPECT_EQ(run.code, 0) << run.err;
+        std::vector<double> eastings;
+        for (const PointRow& row : read_points(folder / name / "results.gpkg", "stopping_points"))
+            eastings.push_back(row.at.x());
+        return eastings;
+    };
+    EXPECT_EQ(stops("model", "0"), stops("fine", "0.25"));
+}
+
 TEST(Plane, WarnsOfWhatDoesNotSuitTheMode) {
+    const auto berm = [](const std::string& place) {
+        const TempDir folder;
+        const std::string site =
+            quarry_with(folder.path(), "[[effect]]\nkind = \"berm\"\nwidth = 3.0\nheight = 0.5\n" + place);
+        return scree_program({"check", site, "--set", "model.dimension=2"}).err;
+    };
+    EXPECT_THAT(berm("file = \"data/screens.gpkg\"\n"), HasSubstr("its crest is cut down"));
+    EXPECT_THAT(berm("from = 30.0\n"), Not(HasSubstr("its crest is cut down"))) << "exact along a profile";
+    EXPECT_THAT(check_2d({"profile.guide=data/screens.gpkg"}).err, HasSubstr("profile.guide is not read"));
+    const TempDir folder;
+    write_vector((folder / "guide.gpkg").string(), {.rows = {{"LINESTRING (890020 6670045, 890120 6670035)", "", {}}}});
+    EXPECT_THAT(check_2d({"profile.guide=" + (folder / "guide.gpkg").string(), "profile.mode=line",
+                          "profile.start=data/release.gpkg"})
+                    .err,
+                HasSubstr("profile.start is not read"));
+    EXPECT_THAT(check_2d({}).err, Not(HasSubstr("is not read")));
     EXPECT_THAT(check_2d({"model.mode=moreau_jean"}).err, HasSubstr("the paper's is 0.001 s"));
     EXPECT_THAT(check_2d({"model.mode=moreau_jean", "model.time_step=1e-3"}).err, Not(HasSubstr("the paper's is")));
     EXPECT_THAT(check_2d({"screens.file=", "screens.chainages=A = 3"}).err, Not(HasSubstr("places along a profile")));

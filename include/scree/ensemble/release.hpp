@@ -18,7 +18,7 @@ namespace scree {
 /// How blocks are shared out over the release features.
 enum class ReleasePattern {
     Random,  ///< polygons in proportion to their area, lines to their length, points equally; position random within
-    Cells,   ///< block after block over the cells of the DTM whose centre lies in a polygon
+    Cells,   ///< block after block over the cells of the model terrain whose centre lies in a polygon
 };
 inline constexpr std::array<const char*, 2> kReleasePatternNames{"random", "cells"};
 
