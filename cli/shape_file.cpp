@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "cli/site_model.hpp"
+#include "gis/utf8.hpp"
 #include "scree/base/error.hpp"
 
 #include <array>
@@ -74,8 +75,7 @@ std::vector<Vec3> read_shape_points(const std::filesystem::path& file) {
     std::ostringstream buffer;
     buffer << in.rdbuf();
     const std::string text = buffer.str();
-    std::string kind = file.extension().string();
-    for (char& c : kind) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+    const std::string kind = gis::lower_case(file.extension().string());
     const std::vector<Vec3> points =
         kind == ".stl" && is_binary_stl(text) ? read_binary_stl(text) : read_text_points(text, kind, file.string());
     if (points.size() < 4)

@@ -2,6 +2,7 @@
 #include "gis/dataset.hpp"
 
 #include "gis/sha256.hpp"
+#include "gis/utf8.hpp"
 #include "gis/words.hpp"
 #include "scree/base/error.hpp"
 
@@ -10,7 +11,6 @@
 #include <gdal_priv.h>
 
 #include <algorithm>
-#include <cctype>
 #include <filesystem>
 #include <fstream>
 
@@ -28,8 +28,7 @@ bool starts_like_a_web_page(const std::string& file) {
     std::string head(512, '\0');
     in.read(head.data(), static_cast<std::streamsize>(head.size()));
     head.resize(static_cast<std::size_t>(in.gcount()));
-    std::transform(head.begin(), head.end(), head.begin(),
-                   [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+    head = lower_case(std::move(head));
     return head.find("<html") != std::string::npos || head.find("<!doctype") != std::string::npos;
 }
 

@@ -3,6 +3,7 @@
 
 #include "gis/crs.hpp"
 #include "gis/dataset.hpp"
+#include "gis/utf8.hpp"
 #include "gis/words.hpp"
 #include "scree/base/error.hpp"
 
@@ -10,7 +11,6 @@
 
 #include <algorithm>
 #include <array>
-#include <cctype>
 #include <cmath>
 #include <limits>
 #include <numbers>
@@ -106,9 +106,7 @@ void check_size(GDALDataset& dataset, const std::string& file, const DtmSettings
 
 void check_unit(GDALRasterBand& band, const std::string& file) {
     std::string unit = band.GetUnitType() ? band.GetUnitType() : "";
-    std::string lower = unit;
-    std::transform(lower.begin(), lower.end(), lower.begin(),
-                   [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+    const std::string lower = lower_case(unit);
     for (const char* metre : {"", "m", "metre", "metres", "meter", "meters", "unknown", "unity"}) {
         if (lower == metre) return;
     }

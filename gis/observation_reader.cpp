@@ -2,6 +2,7 @@
 #include "gis/observation_reader.hpp"
 
 #include "gis/observation_tables.hpp"
+#include "gis/utf8.hpp"
 #include "gis/vector_reader.hpp"
 #include "gis/words.hpp"
 #include "scree/base/error.hpp"
@@ -225,9 +226,7 @@ std::string kind_of(const RecordTable& table, const fs::path& file) {
 }
 
 bool is_table(const fs::path& file) {
-    std::string extension = file.extension().string();
-    std::transform(extension.begin(), extension.end(), extension.begin(),
-                   [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+    const std::string extension = lower_case(file.extension().string());
     return extension == ".csv" || extension == ".txt" || extension == ".tsv";
 }
 

@@ -5,6 +5,7 @@
 #include "gis/crs_transform.hpp"
 #include "gis/observation_reader.hpp"
 #include "gis/table_reader.hpp"
+#include "gis/utf8.hpp"
 #include "gis/vector_reader.hpp"
 #include "gis/words.hpp"
 #include "scree/base/error.hpp"
@@ -27,12 +28,6 @@ constexpr const char* kOwnFields[] = {"block",       "runout_m",     "drop_m",  
                                       "azimuth_deg", "percent_low",  "percent_high",  "raised_m",
                                       "profile",     "s_m",          "release_s_m",   "mass_left_kg"};
 constexpr double kPoorAccuracy = 5.0;  // of a transformation that deserves a warning [m]
-
-std::string lower(std::string text) {
-    std::transform(text.begin(), text.end(), text.begin(),
-                   [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-    return text;
-}
 
 /// As few digits as say which number it is; whole ones, an id say, without a fraction or an exponent.
 std::string shortest(double value) {
@@ -115,7 +110,7 @@ double RecordTable::number(const Record& record, const std::string& field, doubl
 }
 
 bool RecordTable::flag(const Record& record, const std::string& field) const {
-    const std::string value = lower(text(record, field));
+    const std::string value = lower_case(text(record, field));
     if (value.empty() || value == "0" || value == "false" || value == "no") return false;
     if (value == "1" || value == "true" || value == "yes") return true;
     refuse(record, words("has '", value, "' in the field '", field, "'; allowed is 0 or 1."));
@@ -147,7 +142,7 @@ RecordTable read_layer_records(const std::string& file, const std::string& layer
     const VectorData data = read_vector(source, frame, extent);
     RecordTable table;
     table.place = words("The layer '", layer, "' of '", file, "'");
-    for (const Field& field : data.layer.fields) table.fields.push_back(lower(field.name));
+    for (const Field& field : data.layer.fields) table.fields.push_back(lower_case(field.name));
     for (const Feature& feature : data.layer.features)
         table.records.push_back({feature.id, point_of(feature, table), feature.values});
     table.warnings = data.report.warnings;
@@ -277,7 +272,7 @@ RecordTable read_csv_records(const std::string& file, const LocalFrame& frame, c
     table.decimal_comma = csv.separator != ',';
     table.warnings = csv.warnings;
     table.source = std::filesystem::path(file).filename().string();
-    for (const std::string& field : csv.header) table.fields.push_back(lower(field));
+    for (const std::string& field : csv.header) table.fields.push_back(lower_case(field));
     for (const Table::Row& row : csv.rows)
         table.records.push_back({static_cast<std::int64_t>(row.line), Vec3::Constant(kNaN),
                                  std::vector<FieldValue>(row.cells.begin(), row.cells.end())});

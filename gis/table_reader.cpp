@@ -48,8 +48,20 @@ std::string trimmed(const std::string& text) {
     return first == std::string::npos ? std::string() : text.substr(first, text.find_last_not_of(" \t") - first + 1);
 }
 
+/// What a first line "sep=;" of a spreadsheet says; the line is blanked, so that lines keep their numbers.
+std::optional<char> told_separator(std::string& text) {
+    const std::size_t first = text.find_first_not_of("\r\n"), end = first + 5;
+    if (first == std::string::npos || text.size() < end || lower_case(text.substr(first, 4)) != "sep=")
+        return std::nullopt;
+    const char separator = text[end - 1];
+    if (end < text.size() && text[end] != '\r' && text[end] != '\n') return std::nullopt;
+    if (separator != ',' && separator != ';' && separator != '\t') return std::nullopt;
+    std::fill_n(text.begin() + static_cast<std::ptrdiff_t>(first), 5, ' ');
+    return separator;
+}
+
 char separator_of(const std::string& text) {
-    const std::size_t first = std::min(text.find_first_not_of("\r\n"), text.size());
+    const std::size_t first = std::min(text.find_first_not_of("\r\n "), text.size());
     const std::string header = text.substr(first, text.find_first_of("\r\n", first) - first);
     const auto count = [&](char c) { return std::count(header.begin(), header.end(), c); };
     return std::max({',', ';', '\t'}, [&](char a, char b) { return count(a) < count(b); });
@@ -135,15 +147,19 @@ Table read_table(const std::string& file, const std::string& purpose) {
         table.warnings.push_back(
             words(place, " is not in UTF-8: it is taken to be in ISO-8859-1; save it as UTF-8 if names look wrong."));
     }
-    table.separator = separator_of(text);
+    const std::optional<char> told = told_separator(text);
+    table.separator = told ? *told : separator_of(text);
     table.rows = split(text, table.separator, place);
     if (table.rows.empty()) throw InputError(words(place, " is empty; it needs at least a header line."));
     table.header = std::move(table.rows.front().cells);
     table.rows.erase(table.rows.begin());
     for (std::size_t k = 0; k < table.header.size(); ++k)
-        if (!table.header[k].empty() && std::count(table.header.begin(), table.header.end(), table.header[k]) > 1)
-            throw InputError(words(place, " has the column '", table.header[k],
-                                   "' more than once: which one counts? Keep one, or rename the others."));
+        for (std::size_t j = 0; j < k; ++j)
+            if (!table.header[k].empty() && lower_case(table.header[j]) == lower_case(table.header[k]))
+                throw InputError(
+                    words(place, " has the column '", table.header[j], "' more than once",
+                          table.header[j] == table.header[k] ? "" : words(" (the other is '", table.header[k], "')"),
+                          ": which one counts? Keep one, or rename the others."));
     for (const Table::Row& row : table.rows) {
         if (row.cells.size() == table.header.size()) continue;
         throw InputError(words(

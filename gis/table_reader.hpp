@@ -10,7 +10,7 @@
 
 namespace scree::gis {
 
-/// A text table (CSV) with a header line. Separator: comma, semicolon or tab, whichever the header holds most of. Quotes, CRLF and a
+/// A text table (CSV) with a header line. Separator: comma, semicolon or tab, as a first line "sep=;" says, else whichever the header holds most of. Quotes, CRLF and a
 /// byte order mark are understood; text that is not UTF-8 is taken as ISO-8859-1, with a warning.
 struct Table {
     struct Row {
@@ -24,7 +24,7 @@ struct Table {
     std::vector<std::string> warnings;
 };
 
-/// Throws InputError for a file that cannot be read, is binary, has no header, a column twice, or rows with another number of cells than the header.
+/// Throws InputError for a file that cannot be read, is binary, has no header, a column twice (whatever its case), or rows with another number of cells than the header.
 Table read_table(const std::string& file, const std::string& purpose);
 
 /// Index of a column; throws InputError that lists the columns there are.

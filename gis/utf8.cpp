@@ -34,4 +34,10 @@ std::string utf8_from_latin1(const std::string& text) {
     return result;
 }
 
+std::string lower_case(std::string text) {
+    for (char& c : text)
+        if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
+    return text;
+}
+
 }  // namespace scree::gis

@@ -90,6 +90,20 @@ TEST(BlockList, BlankLinesAboveTheHeaderAreNoHeader) {
     EXPECT_EQ(blocks_of("\n\nblock_id;mass_kg;L1_m;L2_m;L3_m\nA;500,5;0,8;0,600;0,5\n").blocks.at(0).mass, 500.5);
 }
 
+TEST(BlockList, AFirstLineMayTellTheSeparator) {
+    const std::string rows = "block_id;mass_kg;L1_m;L2_m;L3_m\r\nA;500,5;0,8;0,600;0,5\r\n";
+    EXPECT_EQ(blocks_of("sep=;\r\n" + rows).blocks.at(0).mass, 500.5);
+    EXPECT_EQ(blocks_of("\xEF\xBB\xBFSEP=;\n" + rows).blocks.at(0).l2, 0.6);
+    EXPECT_EQ(blocks_of("sep=,\n" + kHeader + "A,500,0.8,0.6,0.5\n").blocks.at(0).mass, 500.0);
+    EXPECT_THAT(error_of("sep=;\n" + rows + "B;no;1;1;1\n"), HasSubstr("'no' in line 4")) << "lines of the file";
+    EXPECT_THAT(error_of("sep=;"), HasSubstr("is empty"));
+}
+
+TEST(BlockList, ColumnsThatDifferInCaseAreOneColumnTwice) {
+    EXPECT_THAT(error_of("block_id,mass_kg,Mass_kg,L1_m,L2_m,L3_m\nA,500,5,0.8,0.6,0.5\n"),
+                HasSubstr("has the column 'mass_kg' more than once (the other is 'Mass_kg')"));
+}
+
 TEST(BlockList, OtherEncodingsAreSaidOnce) {
     const BlockList list = blocks_of(kHeader +
                                      "Bl\xF6"
