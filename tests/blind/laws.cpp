@@ -28,7 +28,8 @@ enum Law {
 };
 
 double speed_of(const scree_contact_state* s) {
-    return std::sqrt(s->velocity[0] * s->velocity[0] + s->velocity[1] * s->velocity[1] + s->velocity[2] * s->velocity[2]);
+    return std::sqrt(s->velocity[0] * s->velocity[0] + s->velocity[1] * s->velocity[1] +
+                     s->velocity[2] * s->velocity[2]);
 }
 
 }  // namespace
@@ -36,33 +37,59 @@ double speed_of(const scree_contact_state* s) {
 extern "C" void scree_contact_law(const scree_contact_state* s, scree_contact_law_values* law) {
     const double a = s->number[1], v = speed_of(s);
     switch (static_cast<int>(s->number[0])) {
-        case kBounceExponential: law->restitution *= std::exp(-a * s->approach / 10.0); break;
-        case kBounceMomentum: law->restitution /= 1.0 + a * s->mass * s->approach / 1e4; break;
-        case kRollingSaturates: law->rolling *= 1.0 + a * v / (1.0 + v / 8.0); break;
-        case kRollingLinearInSize: law->rolling *= std::max(0.05, 1.0 + a * (s->length / 0.8 - 1.0)); break;
+        case kBounceExponential:
+            law->restitution *= std::exp(-a * s->approach / 10.0);
+            break;
+        case kBounceMomentum:
+            law->restitution /= 1.0 + a * s->mass * s->approach / 1e4;
+            break;
+        case kRollingSaturates:
+            law->rolling *= 1.0 + a * v / (1.0 + v / 8.0);
+            break;
+        case kRollingLinearInSize:
+            law->rolling *= std::max(0.05, 1.0 + a * (s->length / 0.8 - 1.0));
+            break;
         case kSoftBorderPatch: {
             const double x = (s->position[0] - s->number[2]) / (s->number[3] - s->number[2]);
             if (x > 0.0 && x < 1.0) law->rolling *= 1.0 + a * std::pow(std::sin(3.14159265358979 * x), 2);
             break;
         }
-        case kFrictionWeakens: law->friction /= 1.0 + a * v / 5.0; break;
-        case kBlocksDiffer: law->rolling *= std::exp(a * (2.0 * s->draw - 1.0)); break;
-        case kBounceGrows: law->restitution = std::min(0.9, law->restitution + a * s->approach / 20.0); break;
-        case kRollingWeakensBySpin: law->rolling /= 1.0 + a * s->spin / 10.0; break;
-        case kStripes: law->friction *= std::max(0.1, 1.0 + a * std::sin(6.28318530717959 * s->position[0] / 8.0)); break;
-        default: break;
+        case kFrictionWeakens:
+            law->friction /= 1.0 + a * v / 5.0;
+            break;
+        case kBlocksDiffer:
+            law->rolling *= std::exp(a * (2.0 * s->draw - 1.0));
+            break;
+        case kBounceGrows:
+            law->restitution = std::min(0.9, law->restitution + a * s->approach / 20.0);
+            break;
+        case kRollingWeakensBySpin:
+            law->rolling /= 1.0 + a * s->spin / 10.0;
+            break;
+        case kStripes:
+            law->friction *= std::max(0.1, 1.0 + a * std::sin(6.28318530717959 * s->position[0] / 8.0));
+            break;
+        default:
+            break;
     }
 }
 
 extern "C" void scree_ground_drag(const scree_contact_state* s, scree_ground_drag_values* drag) {
     const double a = s->number[1], v = speed_of(s);
     switch (static_cast<int>(s->number[0])) {
-        case kDragPower: drag->linear = 0.1 * a * std::sqrt(v); break;
-        case kDragSize: drag->quadratic = 0.02 * a * std::pow(s->mass / 1000.0, -1.0 / 3.0); break;
+        case kDragPower:
+            drag->linear = 0.1 * a * std::sqrt(v);
+            break;
+        case kDragSize:
+            drag->quadratic = 0.02 * a * std::pow(s->mass / 1000.0, -1.0 / 3.0);
+            break;
         case kShrubs:
             if (s->position[0] > s->number[2] && s->position[0] < s->number[3]) drag->linear = 300.0 * a / s->mass;
             break;
-        case kFadingDrag: drag->linear = a / (1.0 + v * v / 4.0); break;
-        default: break;
+        case kFadingDrag:
+            drag->linear = a / (1.0 + v * v / 4.0);
+            break;
+        default:
+            break;
     }
 }
