@@ -351,6 +351,7 @@ private:
         const std::size_t screens = at.size();
         std::vector<double> reached(o_.blocks.size(), -kInfinity), stopped(o_.blocks.size(), kNaN);
         std::vector<bool> crossed(o_.blocks.size() * screens, false), known(screens, false);
+        for (const std::int32_t s : op_.watched) known[static_cast<std::size_t>(s)] = true;
         for (const ObservedStop& s : o_.stops) {
             if (s.block < 0 || !std::isfinite(s.position.x())) continue;
             const auto b = static_cast<std::size_t>(s.block);

@@ -155,6 +155,12 @@ const Plant kPlants[] = {
      "stop_above_screen", Severity::Warning, "1 block crossed gate and stopped more than 5 m above it (B6)"},
     {"StopBelowAScreenThatSawNothingOfIt", [](GoodTest& t) { t.o.crossings.erase(t.o.crossings.begin() + 8); },
      "not_seen_at_screen", Severity::Warning, "1 block came past gate without a record there (B8)"},
+    {"StopsBelowAWatchedScreenWithoutRecords",
+     [](GoodTest& t) {
+         t.o.crossings.clear();
+         t.op.watched = {0};
+     },
+     "not_seen_at_screen", Severity::Warning, "came past gate without a record there"},
     {"SeenBelowAndNotAbove",
      [](GoodTest& t) {
          t.screens.push_back({"lower gate", {{8, -40}, {8, 40}}});
