@@ -224,23 +224,39 @@ private:
 
     void add_releases() {
         if (!s_.release_positions || records_.releases.empty()) return;
-        if (model_.in_plane() && records_.seed.empty())  // results of Scree always have them
-            find(Severity::Warning, "release_points_unused",
-                 "release_points are used in 3D only: in 2D blocks start anywhere in the release area along the "
-                 "profile");
-        std::set<std::string> off;
+        std::vector<Profile> profiles;
+        for (const ProfileTrack& track : model_.campaign.tracks) profiles.push_back(track.profile);
+        const double farthest = site_.settings.profile_release_distance;
+        std::set<std::string> off, beside;
         for (const gis::ReleaseRecord& r : records_.releases) {
-            const auto block = index_.find(r.body.id);
-            if (block == index_.end() || !std::isfinite(r.position.x())) continue;
-            if (model_.terrain.surface->facet_at(r.position.head<2>()) < 0)
+            const auto at = index_.find(r.body.id);
+            if (at == index_.end() || !std::isfinite(r.position.x())) continue;
+            ObservedBlock& block = result_.observations.blocks[static_cast<std::size_t>(at->second)];
+            const Vec2 place = r.position.head<2>();
+            if (model_.terrain.surface->facet_at(place) < 0) {
                 off.insert(r.body.id);
-            else
-                result_.observations.blocks[static_cast<std::size_t>(block->second)].release = r.position.head<2>();
+            } else if (!model_.in_plane()) {
+                block.release = place;
+            } else if (const auto foot = ProfileRelease::foot(place, profiles, farthest)) {
+                block.release = place;  // the third dimension knows as much of it
+                block.profile = static_cast<std::int32_t>(foot->profile);
+                block.s = foot->s;
+            } else {
+                beside.insert(r.body.id);
+            }
         }
         if (!off.empty())
             find(Severity::Error, "release_off_terrain",
                  std::to_string(off.size()) + " release points lie off the DTM or over a hole in it (" + listed(off) +
                      "): check coordinates and CRS");
+        if (!beside.empty()) {
+            std::ostringstream text;
+            text << beside.size() << " release points lie more than " << farthest << " m from every profile ("
+                 << listed(beside)
+                 << "): these blocks start anywhere in the release area along the profile; "
+                    "profile.release_distance is that distance";
+            find(Severity::Warning, "release_beside_profile", text.str());
+        }
     }
 
     void decide_matching() {

@@ -32,6 +32,11 @@ double highest_start(const SiteModel& model, const Observations& observations) {
             const double ground = model.terrain.surface->height(c.tracks[place.profile].profile.place_at(place.s));
             highest = std::max(highest, ground + c.release.height + c.release.height_spread);
         }
+        for (const ObservedBlock& b : observations.blocks) {
+            if (b.profile < 0) continue;
+            const double ground = c.tracks[static_cast<std::size_t>(b.profile)].profile.height_at(b.s);
+            highest = std::max(highest, ground + c.release.height + c.release.height_spread);
+        }
         return highest + kStartSlack;
     }
     const std::int64_t tried = std::min(c.release.count, kStartsLookedAt);
@@ -170,7 +175,7 @@ void match_campaign(const SiteFile& site, const ObservedSite& observed, Campaign
     if (!observed.observations.matched) return;
     campaign.population.list.clear();
     for (const ObservedBlock& block : observed.observations.blocks)
-        campaign.population.list.push_back({block.id, block.mass, block.size, block.release});
+        campaign.population.list.push_back({block.id, block.mass, block.size, block.release, block.profile, block.s});
     campaign.population.in_turn = true;
     campaign.release.count =
         site.settings.observed.repeats * static_cast<std::int64_t>(observed.observations.blocks.size());

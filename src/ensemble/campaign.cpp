@@ -109,14 +109,23 @@ void run_block_in_space(const CampaignInput& input, const Prepared& prepared, st
     settle(input, number, end, recorder, 0, cell, result, partial);
 }
 
+/// Where a block starts: seen on its way, let go at a known place, or anywhere in the release area.
+ProfileRelease::Place place_of(const CampaignInput& input, std::int64_t number, std::int64_t row) {
+    if (const Departure* from = departure_of(input, number))
+        return {static_cast<std::size_t>(from->profile), from->s, 0};
+    if (row >= 0) {
+        const BlockRow& known = input.population.list[static_cast<std::size_t>(row)];
+        if (known.profile >= 0) return {static_cast<std::size_t>(known.profile), known.s, -1};
+    }
+    return input.profile_release->draw(input.seed, static_cast<std::uint64_t>(number));
+}
+
 void run_block_on_profile(const CampaignInput& input, const Prepared& prepared, std::int64_t number,
                           BlockResult& result, Partial& partial) {
     const auto key = static_cast<std::uint64_t>(number);
     const PopulationPolygon block = draw_polygon(prepared.population, input.seed, key);
     const Departure* from = departure_of(input, number);
-    const ProfileRelease::Place place = from
-                                            ? ProfileRelease::Place{static_cast<std::size_t>(from->profile), from->s, 0}
-                                            : input.profile_release->draw(input.seed, key);
+    const ProfileRelease::Place place = place_of(input, number, block.row);
     const ProfileTrack& track = input.tracks[place.profile];
     const GroundLine& ground = prepared.grounds[place.profile];
     const std::vector<Effect>& effects = prepared.effects[place.profile];

@@ -48,7 +48,11 @@ ProfileRelease::ProfileRelease(const FeatureLayer& layer, std::span<const Profil
             for (const Polyline& line : *lines)
                 add(feature.id, length_of(plan_of(line)), spans_of(line, profiles, farthest));
         } else if (const auto* points = std::get_if<Points>(&feature.geometry)) {
-            for (const Vec3& p : *points) add(feature.id, 1.0, spans_of(Vec2(p.head<2>()), profiles, farthest));
+            for (const Vec3& p : *points) {
+                std::vector<Span> spans;
+                if (const auto at = foot(p.head<2>(), profiles, farthest)) spans.push_back({at->profile, at->s, at->s});
+                add(feature.id, 1.0, std::move(spans));
+            }
         }
     }
     if (sources_.empty())
@@ -102,18 +106,18 @@ std::vector<ProfileRelease::Span> ProfileRelease::spans_of(const Polyline& line,
     return spans;
 }
 
-std::vector<ProfileRelease::Span> ProfileRelease::spans_of(const Vec2& point, std::span<const Profile> profiles,
-                                                           double farthest) {
-    std::vector<Span> spans;
+std::optional<ProfileRelease::Place> ProfileRelease::foot(const Vec2& point, std::span<const Profile> profiles,
+                                                          double farthest) {
+    std::optional<Place> place;
     double nearest = farthest;
     for (std::size_t k = 0; k < profiles.size(); ++k) {
-        const Profile::Nearest foot = profiles[k].nearest(point);
-        const double distance = std::abs(foot.offset);
-        if (distance > nearest || (!spans.empty() && distance == nearest)) continue;
+        const Profile::Nearest at = profiles[k].nearest(point);
+        const double distance = std::abs(at.offset);
+        if (distance > nearest || (place && distance == nearest)) continue;
         nearest = distance;
-        spans = {{k, foot.s, foot.s}};
+        place = Place{k, at.s, -1};
     }
-    return spans;
+    return place;
 }
 
 ProfileRelease::Place ProfileRelease::draw(std::uint64_t seed, std::uint64_t block) const {

@@ -99,6 +99,65 @@ TEST(ObservedSite, SpeedsThatTheReleaseGivesAreNoFault) {
     EXPECT_FALSE(observed.has_errors());
 }
 
+// A block whose start was measured starts there each time that it is simulated: in 2D at its foot on the profile, if that is near.
+TEST(ObservedSite, BlocksStartWhereTheyWereLetGo) {
+    const test::TempDir folder;
+    const std::string file = (test::quarry_a() / "site.toml").string();
+    const auto field_test = [&](const std::string& name, const std::string& dimension) {
+        const fs::path field = folder / name;
+        std::vector<std::string> args{"run", file, "--output", field.string()};
+        for (const std::string& set :
+             {std::string("release.count=6"), std::string("model.seed=5"), "model.dimension=" + dimension})
+            args.insert(args.end(), {"--set", set});
+        EXPECT_EQ(test::scree_program(args).code, 0);
+        return field.string();
+    };
+    const auto simulated = [&](const std::string& field, std::vector<std::string> changes, ObservedSite& observed) {
+        const SiteFile site = read_site_file(file, changes);
+        const SiteModel model = load_site(site);
+        observed = load_observed(site, model, field);
+        const FreeKeys keys = read_free_keys(site, {"soil.loose waste.rolling=0.02:0.08"});
+        return FieldTest(site, model, observed, keys, 1).run(site, 77, 2).blocks;
+    };
+    const std::string space = field_test("space", "3"), plane = field_test("plane", "2");
+    const auto release_of = [](const std::string& field, std::int64_t k) {
+        return test::read_points(fs::path(field) / "results.gpkg", "release_points")[static_cast<std::size_t>(k)].at;
+    };
+
+    ObservedSite observed;
+    const auto in_space = simulated(space, {"model.dimension=3"}, observed);
+    ASSERT_EQ(in_space.size(), 12u);
+    const Vec2 shift = release_of(space, 0).head<2>() - in_space[0].release.head<2>();  // map and local frame
+    for (std::int64_t k = 0; k < 12; ++k)
+        EXPECT_LT((release_of(space, k % 6).head<2>() - in_space[static_cast<std::size_t>(k)].release.head<2>() - shift)
+                      .norm(),
+                  1e-6);
+    EXPECT_NE(in_space[0].stop, in_space[6].stop) << "it is turned another way";
+
+    const auto in_plane = simulated(plane, {"model.dimension=2"}, observed);
+    ASSERT_EQ(in_plane.size(), 12u);
+    for (std::int64_t k = 0; k < 12; ++k)
+        EXPECT_LT((release_of(plane, k % 6).head<2>() - in_plane[static_cast<std::size_t>(k)].release.head<2>() - shift)
+                      .norm(),
+                  1e-6);
+    const auto anywhere = simulated(plane, {"model.dimension=2", "observed.release_positions=false"}, observed);
+    EXPECT_NE(anywhere[0].release_s, anywhere[6].release_s);
+
+    // Of those of the release area some are nearer to the profile than half a metre.
+    const auto some = simulated(space, {"model.dimension=2", "profile.release_distance=0.5"}, observed);
+    std::size_t near = 0;
+    for (const ObservedBlock& b : observed.observations.blocks) near += b.profile >= 0;
+    EXPECT_LT(near, 6u);
+    const auto warned = std::count_if(observed.findings.begin(), observed.findings.end(), [](const Finding& f) {
+        return std::string(f.check) == "release_beside_profile" && f.severity == Severity::Warning;
+    });
+    EXPECT_EQ(warned, 1);
+    for (std::size_t k = 0; k < 6; ++k)
+        if (observed.observations.blocks[k].profile >= 0) {
+            EXPECT_EQ(some[k].release_s, observed.observations.blocks[k].s);
+        }
+}
+
 // What stands beside the results has their name and more, with a slash at its end as without.
 TEST(ResultsFolderName, EndsWithoutASlash) {
     SiteFile site;

@@ -101,6 +101,12 @@ TEST(ProfileRelease, PointsAndLinesNearAProfile) {
         }
     }
     EXPECT_EQ(release.left_out(), std::vector<std::int64_t>{4});
+    const auto foot = ProfileRelease::foot({7.5, 6.0}, profiles, kFarthest);
+    ASSERT_TRUE(foot);
+    EXPECT_EQ(foot->profile, 1u);
+    EXPECT_NEAR(foot->s, 7.5, 1e-9);
+    EXPECT_EQ(foot->feature, -1);
+    EXPECT_FALSE(ProfileRelease::foot({5, -9}, profiles, kFarthest));
 }
 
 TEST(ProfileRelease, CellsOneAfterTheOther) {

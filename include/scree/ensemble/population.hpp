@@ -18,6 +18,8 @@ struct BlockRow {
     double mass = 0.0;                    ///< [kg]
     Vec3 size = Vec3::Zero();             ///< L1 >= L2 >= L3, edges of the smallest box around it [m]
     Vec2 release = Vec2::Constant(kNaN);  ///< where it is let go, plan view; NaN: anywhere in the release area [m]
+    std::int32_t profile = -1;  ///< in 2D: the profile on which it is let go; -1: anywhere in the release area
+    double s = kNaN;            ///< in 2D: chainage along that profile [m]
 };
 
 /// How volumes are spread when there is no block list.

@@ -9,6 +9,7 @@
 #include "scree/geometry/profile.hpp"
 
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -38,6 +39,9 @@ public:
     };
     Place draw(std::uint64_t seed, std::uint64_t block) const;
 
+    /// Foot of a point on the nearest profile, of no feature (-1); none where every profile is farther than `farthest` [m].
+    static std::optional<Place> foot(const Vec2& point, std::span<const Profile> profiles, double farthest);
+
     /// Features with a geometry that release nothing.
     const std::vector<std::int64_t>& left_out() const { return left_out_; }
     /// Number of start cells for ReleasePattern::Cells [-].
@@ -59,7 +63,6 @@ private:
     };
     void add(std::int64_t feature, double weight, std::vector<Span> spans);
     static std::vector<Span> spans_of(const Polyline& line, std::span<const Profile> profiles, double farthest);
-    static std::vector<Span> spans_of(const Vec2& point, std::span<const Profile> profiles, double farthest);
 
     ReleasePattern pattern_;
     std::vector<Source> sources_;

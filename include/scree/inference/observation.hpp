@@ -23,6 +23,8 @@ struct ObservedBlock {
     double mass = kNaN;                   ///< [kg]
     Vec3 size = Vec3::Constant(kNaN);     ///< L1, L2, L3 [m]
     Vec2 release = Vec2::Constant(kNaN);  ///< where it was let go, plan view [m]
+    std::int32_t profile = -1;            ///< in 2D: the profile on which it was let go; -1: unknown
+    double s = kNaN;                      ///< in 2D: chainage along that profile [m]
     double order = kNaN;                  ///< place in the order of the test; unknown unless somebody wrote it down [-]
     bool has_body() const { return mass > 0.0 && (size.array() > 0.0).all(); }
 };
