@@ -67,23 +67,31 @@ void add_marks(const SiteFile& site, SiteModel& model) {
         if (!stands) model.warnings.push_back("screen " + name + " stands on no profile: no block will cross it in 2D");
 }
 
+/// Half the width of the widest of blocks [m]: a tree farther from a profile is passed by.
+constexpr double kWidest = 10.0;
+
 /// An effect in a place that no profile passes does nothing, which may be a slip.
 void warn_of_effects_beside(SiteModel& model) {
     for (const Effect& effect : model.campaign.effects) {
         const EffectPlace& place = effect.place;
-        if (!place.area && !place.reaches) continue;
+        const bool drawn = place.area || !place.points.empty() || !place.lines.empty();
+        if (!drawn && !place.reaches && place.stations.empty()) continue;
+        if (effect.kind == EffectKind::Berm && drawn) continue;  // it is in the surface
         bool met = false;
         double longest = 0.0;
         for (const ProfileTrack& track : model.campaign.tracks) {
             const double length = track.profile.length();
             longest = std::max(longest, length);
-            const auto stretches = place.reaches ? *place.reaches : track.profile.inside(place.area->polygons);
-            for (const Stretch& r : stretches) met = met || (r.from < length && r.to > 0.0);
+            const EffectPlace along = effects_along({&effect, 1}, track.profile).front().place;
+            for (const double s : along.stations) met = met || (s > 0.0 && s < length);
+            for (const Vec3& p : along.points) met = met || std::abs(p.y()) < kWidest;
+            if (along.reaches)
+                for (const Stretch& r : *along.reaches) met = met || (r.from < length && r.to > 0.0);
         }
         if (met) continue;
         std::ostringstream text;
         text << "effect " << effect_info(effect.kind).name
-             << (place.reaches ? " acts beyond the end of every profile" : " acts in polygons that no profile meets")
+             << (drawn ? " is drawn where no profile passes" : " acts beyond the end of every profile")
              << " (the longest is " << std::lround(longest) << " m long): it does nothing here";
         model.warnings.push_back(text.str());
     }

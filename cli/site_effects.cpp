@@ -102,6 +102,12 @@ void load_effects(const SiteFile& site, SiteTerrain& terrain) {
                                               " changes nothing: give friction, rolling or restitution of the patch");
         if (info.limits.lines && effect.place.reaches && !effect.place.lines.empty())
             throw InputError(where + " stands in two ways, by its file and by from: remove one of them");
+        if (info.limits.lines && effect.place.reaches && std::isfinite(effect.place.reaches->front().to))
+            throw InputError(where + " stands at one chainage, from: remove to");
+        if (!effect.place.points.empty() && (effect.place.area || effect.place.reaches))
+            throw InputError(where +
+                             " has single trees (points) and a stand (polygons, from, to): these are two "
+                             "effects, each with an [[effect]] of its own");
         if (info.limits.lines && effect.place.reaches) {  // a station along the profile
             effect.place.stations.push_back(effect.place.reaches->front().from);
             effect.place.reaches.reset();
@@ -116,8 +122,6 @@ void load_effects(const SiteFile& site, SiteTerrain& terrain) {
         if (effect.place.stations.empty()) warn_of_narrow_berm(effect, terrain, terrain.effect_warnings);
         terrain.effects.push_back(std::move(effect));
     }
-    raise_berms(terrain.effects, terrain.data.grid);
-    if (terrain.data.mesh) raise_berms(terrain.effects, *terrain.data.mesh);
 }
 
 std::string effect_text(const EffectSettings& effect) {

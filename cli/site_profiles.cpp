@@ -102,6 +102,19 @@ void trace_guides(const SiteSettings& s, const SiteTerrain& terrain, ProfileTrac
     if (out.traces.empty()) throw InputError(out.source + ": there is no line in it");
 }
 
+/// Lines that were led on the ground without its berms get the heights with them: a dam ends no profile, and blocks that pass it go on.
+void raise_profiles(const SiteSettings& s, const Surface& surface, std::vector<ProfileTrace>& traces) {
+    ProfileTracer tracer(surface, profile_settings(s));
+    for (ProfileTrace& trace : traces) {
+        const Profile bare = std::move(trace.profile);
+        const std::vector<Course> course = std::move(trace.course);
+        trace.profile = tracer.along(bare.place).profile;
+        trace.course.clear();
+        for (std::size_t k = 0; k < trace.profile.reach_count(); ++k)
+            trace.course.push_back(course[bare.reach_at(0.5 * (trace.profile.s[k] + trace.profile.s[k + 1]))]);
+    }
+}
+
 }  // namespace
 
 SiteProfiles trace_site_profiles(const SiteFile& site, const SiteTerrain& terrain) {
@@ -122,11 +135,12 @@ SiteProfiles trace_site_profiles(const SiteFile& site, const SiteTerrain& terrai
         out.warnings.emplace_back("profile.start is not read with profile.mode = \"" +
                                   std::string(kProfileModeNames[static_cast<std::size_t>(s.profile_mode)]) +
                                   "\": its lines begin where they were drawn");
-    ProfileTracer tracer(*terrain.surface, profile_settings(s));
+    ProfileTracer tracer(terrain.without_berms ? *terrain.without_berms : *terrain.surface, profile_settings(s));
     if (free)
         trace_from_starts(s, terrain, tracer, out);
     else
         trace_guides(s, terrain, tracer, out);
+    if (terrain.without_berms) raise_profiles(s, *terrain.surface, out.traces);
     out.left_out = find_junctions(out.traces, s.profile_merge_distance, s.profile_converging);
     return out;
 }

@@ -19,6 +19,12 @@ gis::SoilZoneSettings zone_settings(const SiteSettings& s) {
     return zones;
 }
 
+/// Takes the facets, or their soils, out of the terrain.
+std::unique_ptr<Surface> surface_of(gis::Terrain& terrain) {
+    return terrain.mesh ? make_mesh_surface(std::move(*terrain.mesh))
+                        : make_grid_surface(terrain.grid, std::move(terrain.grid_soil));
+}
+
 }  // namespace
 
 SiteTerrain load_terrain(const SiteFile& site) {
@@ -36,17 +42,27 @@ SiteTerrain load_terrain(const SiteFile& site) {
     source.breaklines_layer = s.breaklines.layer;
 
     SiteTerrain terrain;
-    terrain.data = gis::read_terrain(source);
+    terrain.data = gis::read_grid(source);
     load_effects(site, terrain);
+    const bool drawn = std::any_of(terrain.effects.begin(), terrain.effects.end(), [](const Effect& e) {
+        return e.kind == EffectKind::Berm && !e.place.lines.empty();
+    });
+    if (drawn && s.dimension == 2) {
+        gis::Terrain bare = terrain.data;
+        add_facets(source, bare);
+        terrain.without_berms = surface_of(bare);
+    }
+    raise_berms(terrain.effects, terrain.data.grid);
+    add_facets(source, terrain.data);
     std::ostringstream words;
-    if (terrain.data.mesh) {
-        terrain.surface = make_mesh_surface(std::move(*terrain.data.mesh));
+    const bool mesh = terrain.data.mesh.has_value();
+    terrain.surface = surface_of(terrain.data);
+    if (mesh) {
         words << terrain.surface->facet_count() << " facets of a triangulated mesh";
         if (terrain.data.triangulation)
             words << "; heights differ from the grid by " << terrain.data.triangulation->rms_error << " m (rms), "
                   << terrain.data.triangulation->max_error << " m (largest)";
     } else {
-        terrain.surface = make_grid_surface(terrain.data.grid, std::move(terrain.data.grid_soil));
         words << "two facets a cell, none over holes";
     }
     terrain.surface_report = words.str();

@@ -43,16 +43,18 @@ std::vector<std::string> Terrain::warnings() const {
     return all;
 }
 
-Terrain read_terrain(const TerrainSource& source) {
+Terrain read_grid(const TerrainSource& source) {
     Terrain terrain;
-    {
-        Dtm dtm = read_dtm(source.dtm, source.limits);
-        ResampledDtm model = resample(dtm, source.resolution == 0 ? std::max(dtm.dx, dtm.dy) : source.resolution);
-        terrain.frame = std::move(dtm.frame);
-        terrain.dtm = std::move(dtm.report);
-        terrain.grid = std::move(model.grid);
-        terrain.resampling = std::move(model.report);
-    }
+    Dtm dtm = read_dtm(source.dtm, source.limits);
+    ResampledDtm model = resample(dtm, source.resolution == 0 ? std::max(dtm.dx, dtm.dy) : source.resolution);
+    terrain.frame = std::move(dtm.frame);
+    terrain.dtm = std::move(dtm.report);
+    terrain.grid = std::move(model.grid);
+    terrain.resampling = std::move(model.report);
+    return terrain;
+}
+
+void add_facets(const TerrainSource& source, Terrain& terrain) {
     const Box2 extent = terrain.grid.shape.bounds();
 
     SoilZones zones(source.zones);
@@ -85,7 +87,7 @@ Terrain read_terrain(const TerrainSource& source) {
         FacetSoils soils = assign_soils(zones, terrain.grid);
         terrain.grid_soil = std::move(soils.soil);
         terrain.soils = std::move(soils.report);
-        return terrain;
+        return;
     }
     Triangulation triangulation = source.surface == Surface::Tin
                                       ? triangulate_tin(terrain.grid, lines, source.tolerance)
@@ -97,6 +99,11 @@ Terrain read_terrain(const TerrainSource& source) {
     terrain.mesh = std::move(triangulation.mesh);
     terrain.triangulation = std::move(triangulation.report);
     terrain.soils = std::move(soils.report);
+}
+
+Terrain read_terrain(const TerrainSource& source) {
+    Terrain terrain = read_grid(source);
+    add_facets(source, terrain);
     return terrain;
 }
 

@@ -49,7 +49,11 @@ struct Terrain {
     std::vector<std::string> warnings() const;
 };
 
-/// Reads, resamples, triangulates and lays soils onto the facets. Throws InputError.
+/// The first half: reads and resamples the DTM. No facets yet. Throws InputError.
+Terrain read_grid(const TerrainSource& source);
+/// The second half: triangulates the heights of the grid, changed or not, and lays soils onto the facets. Throws InputError.
+void add_facets(const TerrainSource& source, Terrain& terrain);
+/// Both.
 Terrain read_terrain(const TerrainSource& source);
 
 }  // namespace scree::gis

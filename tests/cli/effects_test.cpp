@@ -18,6 +18,7 @@
 #include <cmath>
 #include <filesystem>
 #include <fstream>
+#include <sstream>
 
 namespace scree::test {
 namespace {
@@ -277,6 +278,77 @@ TEST(Effects, ANetStandsInOnePlace) {
     const Outcome outcome = scree_program({"check", site, "--set", "model.dimension=2"});
     EXPECT_EQ(outcome.code, 3);
     EXPECT_THAT(outcome.err, HasSubstr("stands in two ways"));
+}
+
+/// A feature 35 m down the profile of quarry_a, a line across it from one distance to the other, or a point, as GeoJSON.
+std::string drawn_on_the_way(const std::string& kind, double from, double to) {
+    const cli::SiteModel model = cli::load_site(cli::read_site_file(quarry_a() / "site.toml", {"model.dimension=2"}));
+    const Profile& profile = model.campaign.tracks.at(0).profile;
+    const Vec2 at = profile.place_at(35.0), way = profile.direction_at(35.0), left(-way.y(), way.x());
+    const auto on_map = [&](double offset) {
+        const Vec2 p = at + offset * left;
+        const auto map = model.terrain.data.frame.to_map({p.x(), p.y(), 0.0});
+        std::ostringstream text;
+        text.precision(12);
+        text << "[" << map.easting << "," << map.northing << "]";
+        return text.str();
+    };
+    const std::string points = kind == "Point" ? on_map(from) : "[" + on_map(from) + "," + on_map(to) + "]";
+    return R"({"type":"FeatureCollection","crs":{"type":"name","properties":{"name":"urn:ogc:def:crs:EPSG::2154"}},)"
+           R"("features":[{"type":"Feature","properties":{},"geometry":{"type":")" +
+           kind + R"(","coordinates":)" + points + "}}]}";
+}
+
+TEST(Effects, RefusesASecondEndAndTwoKindsOfTrees) {
+    const auto checked = [](const std::string& effect) {
+        const TempDir folder;
+        return scree_program(
+            {"check", quarry_with(folder.path(), "[[effect]]\n" + effect), "--set", "model.dimension=2"});
+    };
+    const Outcome net = checked("kind = \"net\"\nfrom = 20.0\nto = 30.0\n");
+    EXPECT_EQ(net.code, 3);
+    EXPECT_THAT(net.err, HasSubstr("stands at one chainage, from: remove to"));
+    const TempDir folder;
+    put(folder / "trees.geojson", drawn_on_the_way("Point", 0.0, 0.0));
+    const Outcome trees = scree_program(
+        {"check",
+         quarry_with(folder.path(), "[[effect]]\nkind = \"trees\"\nfile = \"trees.geojson\"\nfrom = 60.0\nto = 70.0\n"),
+         "--set", "model.dimension=2"});
+    EXPECT_EQ(trees.code, 3);
+    EXPECT_THAT(trees.err, HasSubstr("single trees (points) and a stand"));
+}
+
+// A dam stands on the grid, on few large facets and across a profile, whose way it must not end: what passes it goes on.
+TEST(Effects, ABermStandsOnEveryGround) {
+    const TempDir folder;
+    put(folder / "dam.geojson", drawn_on_the_way("LineString", -15.0, 15.0));
+    const std::string site =
+        quarry_with(folder.path(), "[[effect]]\nkind = \"berm\"\nfile = \"dam.geojson\"\nheight = 3.0\nwidth = 8.0\n");
+    using cli::SiteModel;
+    const auto loaded = [](const std::string& file, const std::vector<std::string>& changes) {
+        return cli::load_site(cli::read_site_file(file, changes));
+    };
+    const std::string bare_site = (quarry_a() / "site.toml").string();
+    const SiteModel plane = loaded(bare_site, {"model.dimension=2"}), dam = loaded(site, {"model.dimension=2"});
+    const Profile &bare = plane.campaign.tracks.at(0).profile, &raised = dam.campaign.tracks.at(0).profile;
+    EXPECT_NEAR(raised.length(), bare.length(), 1e-6);
+    double highest = 0.0;
+    for (double s = 1.0; s < bare.length(); s += 0.25) {
+        const double up = raised.height_at(s) - bare.height_at(s);
+        highest = std::max(highest, up);
+        EXPECT_GE(up, -1e-6);
+        EXPECT_LT(up, std::abs(s - 35.0) > 10.0 ? 1e-6 : 3.1) << s;
+    }
+    EXPECT_GT(highest, 2.0) << "the nodes of a grid of 1 m see most of it";
+    for (const auto& trace : dam.profiles->traces) EXPECT_EQ(trace.course.size(), trace.profile.reach_count());
+
+    const SiteModel tin = loaded(site, {"terrain.surface=tin"}), grid = loaded(site, {}), none = loaded(bare_site, {});
+    for (double s = 25.0; s < 45.0; s += 0.25) {
+        const Vec2 p = bare.place_at(s);
+        EXPECT_NEAR(tin.terrain.surface->height(p), grid.terrain.surface->height(p), 0.35) << s;
+    }
+    const Vec2 crest = bare.place_at(35.0);
+    EXPECT_GT(tin.terrain.surface->height(crest) - none.terrain.surface->height(crest), 2.0);
 }
 
 TEST(Effects, APatchWithoutAValueIsSaidToDoNothing) {

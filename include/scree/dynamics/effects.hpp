@@ -175,14 +175,13 @@ bool acts_on_motion(EffectKind kind);
 /// without them. `event_mode`: impacts are events of their own.
 void check_effect(const Effect& effect, bool event_mode);
 
-/// The same effects along a profile: polygons become reaches, the lines of nets the stations where they cross it, points get chainage and
+/// The same effects along a profile: polygons become reaches (of those given by chainage what lies in them), the lines of nets the stations where they cross it, points get chainage and
 /// offset. Berms drawn on the map are in the surface that the profile was cut from; their lines are dropped.
 std::vector<Effect> effects_along(std::span<const Effect> effects, const Profile& profile);
 
-/// Berms onto the terrain: height + H max(0, 1 - 2 d / W) at the distance d from their lines; several add up. In a grid or mesh the nodes are
+/// Berms onto the terrain: height + H max(0, 1 - 2 d / W) at the distance d from their lines; several add up. Of a grid the nodes are
 /// raised, so that a berm much narrower than the cells is lost; a profile gets vertices at foot and crest.
 void raise_berms(std::span<const Effect> effects, Grid<double>& heights);
-void raise_berms(std::span<const Effect> effects, TriangleMesh& mesh);
 Profile raise_berms(std::span<const Effect> effects, const Profile& profile);
 
 /// What an effect needs to know of a block.

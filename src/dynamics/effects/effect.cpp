@@ -147,11 +147,28 @@ void check_effect(const Effect& effect, bool event_mode) {
 
 // ---- along a profile ---------------------------------------------------------------------------------------------------------------
 
+namespace {
+
+/// What two lists of stretches have in common.
+std::vector<Stretch> overlaps(const std::vector<Stretch>& some, const std::vector<Stretch>& others) {
+    std::vector<Stretch> common;
+    for (const Stretch& a : some)
+        for (const Stretch& b : others)
+            if (std::max(a.from, b.from) < std::min(a.to, b.to))
+                common.push_back({std::max(a.from, b.from), std::min(a.to, b.to)});
+    return common;
+}
+
+}  // namespace
+
 std::vector<Effect> effects_along(std::span<const Effect> effects, const Profile& profile) {
     std::vector<Effect> result(effects.begin(), effects.end());
     for (Effect& effect : result) {
         EffectPlace& place = effect.place;
-        if (place.area && !place.reaches) place.reaches = profile.inside(place.area->polygons);
+        if (place.area) {
+            const std::vector<Stretch> inside = profile.inside(place.area->polygons);
+            place.reaches = place.reaches ? overlaps(inside, *place.reaches) : inside;
+        }
         for (const Points& line : place.lines) {
             if (effect.kind == EffectKind::Berm) break;  // it is in the surface that the profile was cut from
             std::vector<Vec2> plan;
@@ -218,11 +235,6 @@ void raise_berms(std::span<const Effect> effects, Grid<double>& heights) {
     for (int row = 0; row < heights.shape.rows; ++row)
         for (int column = 0; column < heights.shape.columns; ++column)
             heights.at(column, row) += raised_by(effects, heights.shape.centre(column, row));
-}
-
-void raise_berms(std::span<const Effect> effects, TriangleMesh& mesh) {
-    if (!has_berm(effects)) return;
-    for (Vec3& v : mesh.vertices) v.z() += raised_by(effects, v.head<2>());
 }
 
 Profile raise_berms(std::span<const Effect> effects, const Profile& profile) {
