@@ -159,13 +159,12 @@ public:
 
     bool records(double speed) const { return speed >= least_speed_; }
     double factor() const { return factor_; }  ///< of speeds [-]
-    /// Where the block with this number in the campaign was recorded as found.
-    Vec3 found(const BlockResult& b, std::uint64_t seed, std::uint64_t number) const {
-        if (at_last_impact_ <= 0.0 || !std::isfinite(b.broke_at.x())) return b.stop;
-        return effect_stream(seed, EffectKind::BrokenBlock, 0, number).uniform() < at_last_impact_ ? b.broke_at
-                                                                                                   : b.stop;
+    /// Whether the block with this number in the campaign was recorded as found where it broke.
+    bool found_where_it_broke(const BlockResult& b, std::uint64_t seed, std::uint64_t number) const {
+        return at_last_impact_ > 0.0 && std::isfinite(b.broke_at.x()) &&
+               effect_stream(seed, EffectKind::BrokenBlock, 0, number).uniform() < at_last_impact_;
     }
-    /// The error drawn for the speed comes on top of that of the measurement.
+    /// The error drawn for the speed comes on top of that of the measurement, from a stream of its own: no other number moves with it.
     void apply(KinematicValues& values, RandomStream& random) const {
         double& speed = values[static_cast<std::size_t>(Kinematic::Speed)];
         const double noise = std::sqrt(variance_) * random.normal();
@@ -351,10 +350,13 @@ ObservationTable simulated_table(const CampaignResult& campaign, const Observati
         if (!b.done || b.reason == StopReason::Failed) continue;
         const std::int32_t block = test > 0 ? numbers[k % test] : -1;
         RandomStream random(seed, k, RandomPurpose::Observation);
+        RandomStream noise = effect_stream(seed, EffectKind::SpeedError, 0, k);
         write.add(block);
         const double error = errors.of_stop(block, random);
         const double east = random.normal(), north = random.normal();
-        write.stop(faults.found(b, seed, k).head<2>() + error * Vec2(east, north), b.reason == StopReason::AtRest);
+        const bool broken = faults.found_where_it_broke(b, seed, k);
+        write.stop((broken ? b.broke_at : b.stop).head<2>() + error * Vec2(east, north),
+                   broken || b.reason == StopReason::AtRest);
 
         // of what would be recorded
         std::vector<std::optional<KinematicValues>> exact(op.screens.size());
@@ -369,7 +371,7 @@ ObservationTable simulated_table(const CampaignResult& campaign, const Observati
         }
         for (std::size_t s = 0; s < exact.size(); ++s) {
             KinematicValues values = seen_at_screen(exact[s].value_or(KinematicValues{}), errors, block, s, random);
-            if (!op.effects.empty()) faults.apply(values, random);
+            if (!op.effects.empty()) faults.apply(values, noise);
             write.passed(static_cast<std::int32_t>(s), exact[s].has_value());
             if (exact[s]) write.kinematics(static_cast<std::int32_t>(s), values);
         }

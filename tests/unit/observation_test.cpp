@@ -300,7 +300,43 @@ TEST(SimulatedTable, RecordsAShareOfTheBrokenBlocksWhereTheyBroke) {
     };
     EXPECT_EQ(recorded_there(0.0), 0);
     EXPECT_EQ(recorded_there(1.0), 1000);
+
+    // found where it broke, it lies there, whatever its largest piece did
+    Effect effect = make_effect(EffectKind::BrokenBlock);
+    effect.set("last_impact", 1.0);
+    ObservationOperator op = test_operator();
+    op.effects = {effect};
+    campaign.blocks[0].broke_at = Vec3(35, 0, 5);
+    campaign.blocks[0].reason = StopReason::LeftTerrain;
+    EXPECT_EQ(cell(simulated_table(campaign, test_observations(), op, 1), {Quantity::InZone, 0}, 0), 1.0);
     EXPECT_NEAR(recorded_there(0.3), 300, 4.0 * std::sqrt(1000 * 0.3 * 0.7));
+}
+
+// The numbers drawn for a fault are its own: all others of the same blocks stay as they were.
+TEST(SimulatedTable, AFaultMovesNoOtherNumbers) {
+    CampaignResult campaign;
+    for (int k = 0; k < 20; ++k) {
+        campaign.blocks.push_back(at_rest({40, 0}));
+        campaign.crossings.push_back(crossing_of(k, 0, 2.0, 20.0));
+        campaign.crossings.push_back(crossing_of(k, 1, 3.0, 20.0));
+    }
+    Observations observations = test_observations();
+    for (ObservedCrossing& c : observations.crossings) c.error.fill(0.1);
+    observations.crossings.push_back(observations.crossings.front());
+    observations.crossings.back().screen = 1;
+    ObservationOperator op = test_operator();
+    const ObservationTable plain = simulated_table(campaign, observations, op, 7);
+    Effect noise = make_effect(EffectKind::SpeedError);
+    noise.set("bias", 0.0);
+    noise.set("noise", 0.0);
+    op.effects = {noise};
+    EXPECT_EQ(plain.values, simulated_table(campaign, observations, op, 7).values);
+    op.effects[0].set("noise", 2.0);
+    const ObservationTable noisy = simulated_table(campaign, observations, op, 7);
+    for (std::size_t row = 0; row < noisy.rows(); ++row) {
+        EXPECT_NE(cell(noisy, {Quantity::Speed, 0}, row), cell(plain, {Quantity::Speed, 0}, row));
+        EXPECT_EQ(cell(noisy, {Quantity::Height, 1}, row), cell(plain, {Quantity::Height, 1}, row));
+    }
 }
 
 TEST(SimulatedTable, SpreadsSpeedsByTheNoiseAndMixesNumbers) {
@@ -327,6 +363,14 @@ TEST(SimulatedTable, SpreadsSpeedsByTheNoiseAndMixesNumbers) {
     EXPECT_NEAR(mean, 20.0, 4.0 * 2.0 / std::sqrt(n));
     EXPECT_NEAR(std::sqrt(squares / n - mean * mean), 2.0, 4.0 * 2.0 / std::sqrt(2.0 * n));
     EXPECT_NEAR(other / n, 0.5, 4.0 * 0.5 / std::sqrt(0.5 * n)) << "of two numbers an even permutation swaps half";
+
+    op.effects[1].set("share", 0.3);
+    const ObservationTable some = simulated_table(campaign, test_observations(), op, 7);
+    std::int64_t swapped = 0;
+    for (std::size_t row = 0; row < some.rows(); ++row)
+        swapped += some.block[row] != static_cast<std::int32_t>(row % 2);
+    // both of two numbers must be among the mixed ones, and then half of the permutations swap them
+    EXPECT_NEAR(static_cast<double>(swapped) / n, 0.5 * 0.09, 4.0 * std::sqrt(0.045 / (0.5 * n)));
 }
 
 TEST(ShiftScreens, MovesThemAlongTheAxisAndTheProfiles) {
