@@ -62,14 +62,15 @@ bool look_alike(const Diagnosis& plan, const EffectFinding& a, const EffectFindi
 }
 
 std::vector<FurtherRow> further_rows(const DiagnoseStudy& study) {
-    if (!study.planning || study.diagnosis.findings.empty()) return {};
+    if (!study.planning || study.further.empty()) return {};
     std::vector<std::string> names, seen, seen_then;
     for (const DiagnosisCandidate& c : study.catalogue.candidates) names.push_back(c.name);
-    std::vector<FurtherRow> rows{row_of("as planned", study.diagnosis, 1.0, {}, names, seen)};
+    const Diagnosis& as_planned = study.further.front().plan;
+    std::vector<FurtherRow> rows{row_of("as planned", as_planned, 1.0, {}, names, seen)};
     const FurtherRow planned{"as planned", 0, 0, seen};
-    for (const WithInstrument& w : study.further)
-        rows.push_back(row_of("with " + w.name, w.plan, 1.0, planned, names, seen_then));
-    rows.push_back(row_of("with twice as many blocks", study.diagnosis, 2.0, planned, names, seen_then));
+    for (std::size_t k = 1; k < study.further.size(); ++k)
+        rows.push_back(row_of("with " + study.further[k].name, study.further[k].plan, 1.0, planned, names, seen_then));
+    rows.push_back(row_of("with twice as many blocks", as_planned, 2.0, planned, names, seen_then));
     return rows;
 }
 

@@ -138,17 +138,17 @@ public:
             members.candidates.push_back(*a.effects.front().candidate);
             members.candidates.back().variants = {a.effects.front().variant};
         }
-        std::vector<FurtherInstrument> instruments{{"the same instruments", {}}};
-        for (FurtherInstrument& i : further_instruments(in_.observed)) instruments.push_back(std::move(i));
         DiagnosisSettings settings = study_.settings;
         settings.repeats *= kGroupRepeats;
         settings.power_search = 0;
-        try_instruments(tested_model(), members, instruments, settings);
+        try_instruments(tested_model(), members, settings);
     }
 
+    /// The test as it was measured comes first: what more instruments see is held against what these see in the same way.
     void try_instruments(const CalibratedModel& model, const DiagnosisCatalogue& catalogue,
-                         const std::vector<FurtherInstrument>& instruments, const DiagnosisSettings& settings) {
-        if (instruments.empty()) return;
+                         const DiagnosisSettings& settings) {
+        std::vector<FurtherInstrument> instruments{{"the same instruments", {}}};
+        for (FurtherInstrument& i : further_instruments(in_.observed)) instruments.push_back(std::move(i));
         ObservedSite filmed = in_.observed;
         for (const FurtherInstrument& i : instruments) filmed.op.add_impacts(i.impacts);
         const FieldTest test(in_.site, in_.model, filmed, study_.keys, in_.threads);
@@ -200,7 +200,7 @@ public:
                                                       : study_.variant_of(f)};
         DiagnosisSettings settings = study_.settings;
         settings.power_up_to = 1.0;  // what is told of them is whether they see the reference
-        try_instruments(as_given, best, further_instruments(in_.observed), settings);
+        try_instruments(as_given, best, settings);
     }
 
 private:

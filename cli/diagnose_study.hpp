@@ -97,7 +97,7 @@ struct DiagnoseStudy {
     std::vector<AnswerFit> answers;   ///< refitted, best first
     DiagnosisCatalogue forces;        ///< without a name, tried where the verdict is UNKNOWN
     Diagnosis by_force;               ///< z of each of their ways and places (looked_at); empty: not tried
-    std::vector<WithInstrument> further;  ///< of a plan or a group; of a group the first is the test as it was measured
+    std::vector<WithInstrument> further;     ///< of a plan or a group; the first is the test as it was measured
     std::vector<std::size_t> tested_levels;  ///< choices (`keys`) of the model that was tested [-]
     std::string demoted;  ///< why the verdict is weaker than the diagnosis alone has it; empty: it is not
     bool interrupted = false;

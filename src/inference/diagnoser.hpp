@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <bit>
+#include <map>
 #include <span>
 
 namespace scree {
@@ -83,6 +84,8 @@ struct Hypothesis {
     double p = 0.0;
     bool from_given = false;  ///< followed from the parameters that the site was given
     bool raced = false;       ///< q and p are those of a close race
+    /// Other forms of the effect that were followed, with the logarithms of their weights: what they say for it counts as well.
+    std::map<std::size_t, double> other_forms;
 };
 
 /// Shares of rivals in all weight, from its logarithms, whose standard deviations are those of what surveys scatter by: the mean over what all of them may
@@ -124,7 +127,9 @@ private:
                                   const Eigen::MatrixXd& together) const;
     void take_slopes();
     bool recentre();
-    static Fingerprint fingerprint_of(const ObservationTable& with, double strength, const ResidualSpace& model);
+    Fingerprint fingerprint_of(const ObservationTable& with, double strength, const ResidualSpace& model) const;
+    /// Simulated rows that tell something, of so many: all, or in a pool of crossings alone as many as pass where fewest do.
+    double telling(std::size_t rows) const { return passing_ * static_cast<double>(rows); }
     std::optional<Fingerprint> take_fingerprint(const EffectDose& dose, std::int64_t repeats);
     bool take_fingerprints();
     bool visible(std::size_t fingerprint, const ScoreResult& score) const;
@@ -252,7 +257,8 @@ private:
     const std::function<void(const DiagnosisProgress&)>& progress_;
     std::vector<EffectDose>
         variants_;  ///< of all effects, at the reference strength; at the end places that a closer look has found
-    bool only_who_passed_ = false;      ///< rows of a pool with crossings of which nobody knows how many were thrown
+    bool only_who_passed_ = false;  ///< rows of a pool with crossings of which nobody knows how many were thrown
+    double passing_ = 1.0;          ///< of such a pool: share of the simulated rows that its rarest residual knows [-]
     std::vector<double> place_spread_;  ///< of the middle of each of these, as the closer look has it [m]
     std::vector<double> taken_at_;      ///< strength that the fingerprint of each was last taken at [-]
     std::size_t planned_variants_ = 0;  ///< those before these: the measurements had no part in choosing them

@@ -40,7 +40,7 @@ constexpr int kRaceRounds = 2;
 constexpr double kHopeless = 0.25;
 /// Samples of a simulation that its goodness of fit is judged by [-].
 constexpr std::int64_t kFitDraws = 299;
-/// In how many places of one effect more than one survey is made [-].
+/// In how many places of one way of an effect more than one survey is made [-].
 constexpr std::ptrdiff_t kPlacesOfOne = 2;
 
 double settled_within(double misfit) {
@@ -124,7 +124,7 @@ bool Diagnoser::survey(Survey& s, std::size_t fingerprint, std::int64_t repeats,
     s.observed = mean_residual(space.of(measured));
     s.slopes = slopes_of(std::move(moved), std::move(means),
                          s.observed.together.diagonal().maxCoeff() * static_cast<double>(signs.rows()) /
-                             static_cast<double>(s.rows.rows()));
+                             telling(static_cast<std::size_t>(s.rows.rows())));
     s.left = s.observed.mean - s.slopes.at_place;
     return true;
 }

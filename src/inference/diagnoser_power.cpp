@@ -73,6 +73,10 @@ std::optional<double> Diagnoser::expected_z(std::size_t fingerprint, double stre
     if (!with) return std::nullopt;
     dose.strength = taken_at_[fingerprint];
     const double enough = enough_for(global);
+    // a test with the effect knows of as many blocks as come by with it: where few do, their speeds say little
+    const double tests = telling(with->rows()) / static_cast<double>(measured_.rows());
+    const ResidualMean known = mean_residual(
+        ResidualSpace(*with, measured_, problem_.blocks, settings_.residuals, base_.space->residuals()).of_reference());
 
     struct {
         double z = kInfinity;
@@ -80,11 +84,10 @@ std::optional<double> Diagnoser::expected_z(std::size_t fingerprint, double stre
     } least;
     const auto hold_against = [&](const ResidualSpace& model, const Eigen::VectorXd& at,
                                   const Eigen::MatrixXd& derivatives) {
-        const ResidualMean measured = mean_residual(model.of(measured_)), effect = mean_residual(model.of(*with));
-        if (!comparable(measured, base_.observed) || !simulates_enough(effect, with->rows(), measured)) return true;
-        const ResidualMean change{effect.mean - mean_residual(model.of_reference()).mean, measured.together};
-        const double over =
-            1.0 / static_cast<double>(with->rows()) + 1.0 / static_cast<double>(model.reference().rows());
+        const ResidualMean effect = mean_residual(model.of(*with));
+        if (!comparable(effect, known)) return true;
+        const ResidualMean change{effect.mean - mean_residual(model.of_reference()).mean, effect.together / tests};
+        const double over = 1.0 / telling(with->rows()) + 1.0 / telling(model.reference().rows());
         std::vector<Fingerprint> fingerprints = base_.test->fingerprints();
         fingerprints.push_back({change.mean, 1.0 / over, false});
         const Eigen::MatrixXd covariance = row_covariance(model);
@@ -131,7 +134,7 @@ std::optional<double> Diagnoser::expected_z(std::size_t fingerprint, double stre
         if (!simulate_at(within_ranges(around.at + to), around.slopes.directions)) return std::nullopt;
         if (!(least.z < before)) break;
     }
-    return least.z;
+    return std::isfinite(least.z) ? least.z : 0.0;  // where nothing could be compared nothing is told
 }
 
 /// Of one form, the least strength of which so much z is to be expected, from what its derivatives promise upwards; told too large rather than too small, but for the reference, which is asked for where

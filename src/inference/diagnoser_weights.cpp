@@ -117,6 +117,12 @@ void Diagnoser::weigh(Diagnosis& d, std::vector<Hypothesis>& followed) const {
             ++k;
             continue;
         }
+        const std::size_t form = variants_[here->fingerprint].variant;
+        if (form != variants_[better->fingerprint].variant && here->p > settings_.rejected) {
+            better->other_forms.merge(here->other_forms);
+            double& weight = better->other_forms.try_emplace(form, -kInfinity).first->second;
+            weight = std::max(weight, log_weight(*here));
+        }
         if (better->on && same_way(*better, *here)) {  // perhaps it acts in the other place
             const double ratio = std::exp(log_weight(*here) - log_weight(*better));
             better->middle_deviation =
@@ -143,7 +149,11 @@ void Diagnoser::weigh(Diagnosis& d, std::vector<Hypothesis>& followed) const {
                                std::log((1.0 - settings_.prior_none) * settings_.prior_unnamed);
     std::vector<double> log_weights{log_none, log_unnamed}, deviations{0.0, 0.0};
     for (const Hypothesis& h : followed) {
-        log_weights.push_back(log_weight(h));
+        double weight = log_weight(h);
+        for (const auto& [form, other] : h.other_forms)
+            if (form != variants_[h.fingerprint].variant)
+                weight = std::max(weight, other) + std::log1p(std::exp(-std::abs(weight - other)));
+        log_weights.push_back(weight);
         deviations.push_back(0.5 * h.q_deviation);
     }
     const std::vector<double> weights = mean_weights(log_weights, deviations, settings_.seed);

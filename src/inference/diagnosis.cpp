@@ -33,6 +33,8 @@ constexpr double kFarStep = 2.0;
 constexpr double kMostNoise = 0.5;
 /// What another place for the parameters must leave less to be looked at, of Q [-].
 constexpr double kWorthMoving = 8.0;
+/// Where still fewer pass, simulations are no more: their noise counts for less than it is [-].
+constexpr double kLeastPassing = 0.1;
 /// How often the model is followed without an effect from where the effect took it [-].
 constexpr int kReturns = 2;
 
@@ -77,7 +79,7 @@ std::optional<ObservationTable> Diagnoser::simulate(const char* stage, const Eig
     DiagnosisTask task{{parameters.data(), parameters.data() + parameters.size()},
                        std::move(effects),
                        RandomStream(settings_.seed, next_seed_++, RandomPurpose::Diagnosis).bits() >> 2,
-                       repeats};
+                       static_cast<std::int64_t>(std::ceil(static_cast<double>(repeats) / passing_))};
     auto table = simulate_(task);
     ++done_;
     if (table) simulated_ += static_cast<std::int64_t>(table->rows());
@@ -98,9 +100,20 @@ Eigen::VectorXd Diagnoser::within_ranges(Eigen::VectorXd parameters) const {
 }
 
 bool Diagnoser::build_space(std::span<const Residual> residuals) {
-    auto reference = simulate("calibrated model", base_.parameters, {}, settings_.reference_repeats);
-    if (!reference) return false;
-    base_.space.emplace(std::move(*reference), measured_, problem_.blocks, settings_.residuals, residuals);
+    const auto build = [&] {
+        auto reference = simulate("calibrated model", base_.parameters, {}, settings_.reference_repeats);
+        if (reference)
+            base_.space.emplace(std::move(*reference), measured_, problem_.blocks, settings_.residuals, residuals);
+        return reference.has_value();
+    };
+    if (!build()) return false;
+    if (only_who_passed_ && passing_ == 1.0 && !base_.space->residuals().empty()) {
+        // every record is of a block that passed: as many of these are needed as of blocks where all are known
+        const ResidualRows own = base_.space->of_reference();
+        const double least = mean_residual(own).together.diagonal().minCoeff() / static_cast<double>(own.rows());
+        passing_ = std::clamp(least, kLeastPassing, 1.0);
+        if (passing_ < 1.0 && !build()) return false;
+    }
     if (base_.space->residuals().empty())
         throw InputError("Nothing that was measured is known of at least " + std::to_string(ResidualSpace::kLeastRows) +
                          " blocks: a diagnosis cannot tell chance from a disagreement; measure more blocks");
@@ -181,8 +194,8 @@ bool Diagnoser::recentre() {
 }
 
 /// In units of the reference strength, whatever strength was simulated.
-Fingerprint Diagnoser::fingerprint_of(const ObservationTable& with, double strength, const ResidualSpace& model) {
-    return {mean_residual(model.of(with)).mean / strength, static_cast<double>(with.rows()) * strength * strength};
+Fingerprint Diagnoser::fingerprint_of(const ObservationTable& with, double strength, const ResidualSpace& model) const {
+    return {mean_residual(model.of(with)).mean / strength, telling(with.rows()) * strength * strength};
 }
 
 std::optional<Fingerprint> Diagnoser::take_fingerprint(const EffectDose& dose, std::int64_t repeats) {
@@ -290,7 +303,7 @@ std::vector<EffectFinding> Diagnoser::findings(const ScoreResult& score, double 
                 return seen_a != seen_b ? seen_a : score.z[a] > score.z[b];
             };
             if (at < 0 || better(i, at)) at = i;
-            f.beyond_chance = f.beyond_chance || (k < planned_variants_ && score.z[i] > z_limit);
+            f.beyond_chance = f.beyond_chance || (k < planned_variants_ && visible(k, score) && score.z[i] > z_limit);
         }
         if (at < 0) continue;
         show(f, static_cast<std::size_t>(at), score);

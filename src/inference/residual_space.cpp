@@ -96,6 +96,7 @@ ResidualSpace::ResidualSpace(ObservationTable reference, const ObservationTable&
     const std::int32_t last =
         reference_.block.empty() ? -1 : *std::max_element(reference_.block.begin(), reference_.block.end());
     sorted_.resize(reference_.columns.size());
+    passed_.resize(reference_.columns.size());
     for (std::size_t k = 0; k < sorted_.size(); ++k) {
         sorted_[k].resize(static_cast<std::size_t>(last + 2));
         for (std::size_t row = 0; row < reference_.rows(); ++row) {
@@ -104,6 +105,9 @@ ResidualSpace::ResidualSpace(ObservationTable reference, const ObservationTable&
             sorted_[k][stratum(reference_.block[row])].push_back(v);
         }
         for (auto& values : sorted_[k]) std::sort(values.begin(), values.end());
+        if (reference_.columns[k].quantity == Quantity::Passed)
+            for (const auto& values : sorted_[k])
+                passed_[k].push_back(std::accumulate(values.begin(), values.end(), 0.0));
     }
     choose(measured, settings, residuals);
     own_ = raw(reference_, true);
@@ -266,14 +270,15 @@ double ResidualSpace::level(const ObservationTable& table, std::size_t row, std:
     return kLevel * (u - 0.5);
 }
 
-/// Per stratum, the share of the reference's rows that passed.
-std::vector<double> ResidualSpace::shares(std::size_t column) const {
-    std::vector<double> shares;
-    for (const std::vector<double>& members : sorted_[column])
-        shares.push_back(members.size() < kLeastMembers ? kNaN
-                                                        : std::accumulate(members.begin(), members.end(), 0.0) /
-                                                              static_cast<double>(members.size()));
-    return shares;
+/// Share of the reference's rows of that stratum that passed; of the others, if the row is one of them.
+double ResidualSpace::expected_share(const ObservationTable& table, std::size_t column, std::size_t row,
+                                     bool own) const {
+    const std::size_t s = stratum(table.block[row]);
+    if (s >= sorted_[column].size()) return kNaN;
+    const std::vector<double>& members = sorted_[column][s];
+    if (members.size() < kLeastMembers + (own ? 1 : 0)) return kNaN;
+    return (passed_[column][s] - (own ? table.values[column][row] : 0.0)) /
+           static_cast<double>(members.size() - (own ? 1 : 0));
 }
 
 /// Level of the target among the reference's rows that were in the most similar states: speed, height and vertical speed at the screen before or the start of
@@ -375,12 +380,9 @@ ResidualRows ResidualSpace::raw(const ObservationTable& table, bool own) const {
         auto out = all.col(static_cast<Eigen::Index>(r));
         switch (residual.kind) {
             case ResidualKind::Passed: {
-                const std::vector<double> expected = shares(column);
-                for (std::size_t row = 0; row < table.rows(); ++row) {
-                    const std::size_t s = stratum(table.block[row]);
+                for (std::size_t row = 0; row < table.rows(); ++row)
                     out[static_cast<Eigen::Index>(row)] =
-                        (table.values[column][row] - (s < expected.size() ? expected[s] : kNaN)) / kPassedScale;
-                }
+                        (table.values[column][row] - expected_share(table, column, row, own)) / kPassedScale;
                 break;
             }
             case ResidualKind::Level:

@@ -265,9 +265,15 @@ GlobalTest global_test(const ScoreTest& test, const ScoreResult& measured, const
     GlobalTest g;
     g.p_q = share_at_least(sorted_q, measured.q);
     g.p_z = any ? share_at_least(sorted_z, test.largest_z(measured)) : 1.0;
+    // each is ranked among all others, the measured one among them, as that is among these
+    const auto share_of = [&](const std::vector<double>& sorted, double value, double of_measured) {
+        return share_at_least(sorted, value) -
+               (of_measured >= value ? 0.0 : 1.0) / (static_cast<double>(sorted.size()) + 1.0);
+    };
     std::vector<double> smaller;
     for (std::size_t k = 0; k < q.size(); ++k)
-        smaller.push_back(std::min(share_at_least(sorted_q, q[k]), any ? share_at_least(sorted_z, z[k]) : 1.0));
+        smaller.push_back(std::min(share_of(sorted_q, q[k], measured.q),
+                                   any ? share_of(sorted_z, z[k], test.largest_z(measured)) : 1.0));
     std::sort(smaller.begin(), smaller.end());
     const auto as_small = std::upper_bound(smaller.begin(), smaller.end(), std::min(g.p_q, g.p_z)) - smaller.begin();
     g.p = (static_cast<double>(as_small) + 1.0) / (static_cast<double>(draws) + 1.0);

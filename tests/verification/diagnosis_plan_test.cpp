@@ -60,7 +60,7 @@ TEST(Diagnosis, PlanningKnowsWhatParametersMakeUpForFarAway) {
     const auto blocks = blocks_of_test();
     constexpr std::size_t kLikeParameter = 0, kOther = 1;
     DiagnosisProblem problem =
-        problem_for(blocks, {{"as the parameter", false, {{"", 30.0}}}, {"mass", false, {{"", 5.0}}}});
+        problem_for(blocks, {{"as the parameter", false, {{"", 60.0}}}, {"mass", false, {{"", 5.0}}}});
     problem.calibrated = {0.0, 0.4};
     problem.low = {-1.0, 0.0};
     const auto thrown = [&](const DiagnosisTask& t) {
@@ -77,8 +77,9 @@ TEST(Diagnosis, PlanningKnowsWhatParametersMakeUpForFarAway) {
     const double by_derivatives = told(problem, thrown, 1, kLikeParameter, 0),
                  with_search = told(problem, thrown, 1, kLikeParameter);
     EXPECT_LT(by_derivatives, 8.0);
-    EXPECT_GT(with_search, 10.0);
-    EXPECT_LT(with_search, 1.5 * (10.0 + by_derivatives)) << "told within a factor of 1.5";
+    // of 20 tests with a strength of 15, 18, 24 and 30 are rejected 4, 7, 15 and 20
+    EXPECT_GT(with_search, 25.0 / 1.5);
+    EXPECT_LT(with_search, 25.0 * 1.5) << "told within a factor of 1.5";
     // what no parameter makes up for is seen as early as before, within that factor
     EXPECT_NEAR(told(problem, thrown, 1, kOther) / told(problem, thrown, 1, kOther, 0), 1.0, 0.5);
 }

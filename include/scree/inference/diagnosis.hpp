@@ -84,7 +84,7 @@ struct DiagnosisSettings {
     std::size_t power_search = 16;
     double power_up_to =
         kInfinity;   ///< nobody asks for stronger ones; finite: nor from where below that on it is seen [-]
-    int rounds = 6;  ///< surveys on the way there, at most: it ends where it has settled [-]
+    int rounds = 6;  ///< surveys at the place where one has arrived, at most: it ends where it has settled [-]
     double prior_none =
         0.5;  ///< weight of the calibrated model before the data, once the test has rejected it; the effects share the rest [-]
     double prior_unnamed = 0.2;  ///< share of what is missing that has no name in the catalogue, before the data [-]

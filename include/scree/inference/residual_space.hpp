@@ -79,7 +79,7 @@ private:
     void add_state(const Column& screen, const Column& target);
     ResidualRows raw(const ObservationTable& table, bool own) const;
     double level(const ObservationTable& table, std::size_t row, std::size_t column, bool own) const;
-    std::vector<double> shares(std::size_t column) const;
+    double expected_share(const ObservationTable& table, std::size_t column, std::size_t row, bool own) const;
     double covariate(const std::vector<double>& of_block, std::int32_t block) const;
     double mass_of(std::int32_t block) const;
     using RowsOfOne = Eigen::Ref<Eigen::VectorXd, 0, Eigen::InnerStride<>>;
@@ -99,6 +99,7 @@ private:
     ResidualSettings settings_;
     bool known_;                                            ///< which records are of one block
     std::vector<std::vector<std::vector<double>>> sorted_;  ///< per column and stratum, ascending [*]
+    std::vector<std::vector<double>> passed_;               ///< per column of who passed, and stratum [-]
     std::vector<double> log_mass_, log_shape_, order_;      ///< per block of the test, standardised [-]
     std::vector<ByState> states_;
     std::vector<Residual> residuals_;
