@@ -233,6 +233,8 @@ private:
         if (k == K::HeightDatum && !measured(Quantity::Height)) return "no passing heights were measured";
         if (k == K::BlockShape && search.parameter == std::string("corners") && s_.shape != BlockShape::Hull)
             return "corners are fixed by blocks.shape";
+        if (k == K::BlockShape && search.parameter == std::string("flatness") && model_.in_plane())
+            return "flatness is not looked for in 2D, where blocks have no thickness";
         if (search.where == Where::StretchOnly && !(length_ > 0.0)) return "no stops were measured along the path";
         return {};
     }

@@ -74,6 +74,7 @@ Json answer_json(const DiagnoseStudy& study, const AnswerFit& a, const AnsweredE
     }
     if (!study.baseline.result.folds.empty()) {
         json["held_out_loss"] = a.model.result.held_out.loss;
+        json["held_out_floor"] = a.model.result.held_out.floor;
         json["held_out_gap"] = a.model.result.held_out.gap();
         json["held_out_was_seen"] = a.model.result.held_out_was_seen();
         if (const auto share = removable_gap_closed(study, a)) json["removable_gap_closed"] = *share;

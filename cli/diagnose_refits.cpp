@@ -2,6 +2,7 @@
 #include "cli/diagnose_refits.hpp"
 
 #include "cli/diagnose_words.hpp"
+#include "cli/text.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -11,6 +12,9 @@ namespace scree::cli {
 
 /// A gap over all so many times the largest of 95 % of chance is far beyond it [-].
 constexpr double kFarBeyond = 2.0;
+
+/// Standard errors by which blocks held out must be predicted better with a name: 5 of 100 names that add nothing pass, if they were drawn blindly [-].
+constexpr double kGainErrors = 1.645;
 
 bool is_far_beyond(const CompareStudy& study) {
     return study.overall.gap > kFarBeyond * study.overall.chance.high;
@@ -52,6 +56,12 @@ void judge_refits(DiagnoseStudy& study) {
         return demote("the blocks held out are predicted no better with " + answers.front().name() + " than " +
                       (answers.front().loss_of_one < without ? "with one of them alone" : "without"));
     std::stable_partition(answers.begin(), answers.end(), better);
+    if (study.verdict == Verdict::Group) return;  // no name is said
+    const std::optional<HeldOutGain> gain = held_out_gain(study, answers.front());
+    if (gain && gain->mean <= kGainErrors * gain->error)
+        demote("blocks held out are predicted better with " + answers.front().name() +
+               ", which comes nearest, but by no more than chance can do (" + short_number(gain->mean) + " +- " +
+               short_number(gain->error) + ")");
 }
 
 std::optional<double> removable_gap_closed(const DiagnoseStudy& study, const AnswerFit& answer) {

@@ -186,7 +186,8 @@ std::string gaps_html(const DiagnoseStudy& study, const AnswerFit& a) {
                         gap_number(a.model.result.best_fit.gap()), held_out_text(study.baseline),
                         held_out_text(a.model), ""});
     const std::vector<std::string> held_out = held_out_sentences(study, a);
-    return html_table({"gap", "calibrated", "with " + a.name(), "of blocks held out, calibrated", "with " + a.name(),
+    return "<p>A gap of 1 is the noise floor: as far apart as two tests of the same size are by chance.</p>\n" +
+           html_table({"gap", "calibrated", "with " + a.name(), "of blocks held out, calibrated", "with " + a.name(),
                        "95 % of chance, with " + a.name()},
                       rows) +
            (held_out.empty() ? "" : "<p>Of what is fitted:</p>\n" + html_list(held_out)) + places_html(study, &a);

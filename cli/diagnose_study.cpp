@@ -182,8 +182,7 @@ public:
 
     void plan_test() {
         CalibratedModel as_given;
-        for (const CalibrationParameter& p : study_.keys.problem.parameters) as_given.point.values.push_back(p.start);
-        for (const CalibrationChoice& c : study_.keys.problem.choices) as_given.point.levels.push_back(c.start);
+        as_given.point = study_.given_point();
         study_.baseline = as_given;
         study_.tested_levels = as_given.point.levels;
         study_.catalogue =
@@ -362,6 +361,13 @@ std::string AnswerFit::name() const {
 
 bool AnswerFit::in_space() const {
     return cli::in_space(effects);
+}
+
+CalibrationPoint DiagnoseStudy::given_point() const {
+    CalibrationPoint point;
+    for (const CalibrationParameter& p : keys.problem.parameters) point.values.push_back(p.start);
+    for (const CalibrationChoice& c : keys.problem.choices) point.levels.push_back(c.start);
+    return point;
 }
 
 CalibrationPoint DiagnoseStudy::tested_point() const {

@@ -114,6 +114,8 @@ struct DiagnoseStudy {
     /// Site files to write: one for each answer that stands, else that of told_point(); none where nothing was judged.
     std::size_t site_files() const { return judged() ? std::max<std::size_t>(standing(), 1) : 0; }
     const DiagnosisCandidate& candidate_of(const EffectFinding& f) const { return catalogue.candidates[f.effect]; }
+    /// Parameters as the site has them, wherever a calibration began.
+    CalibrationPoint given_point() const;
     /// Parameters of the model without effect that was tested: all measurements together had it moved there, the calibration minimises a part of them.
     CalibrationPoint tested_point() const;
     /// What its residuals ask for still: one linear step from there, within the ranges. It was not simulated by the diagnosis.

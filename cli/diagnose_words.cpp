@@ -93,7 +93,8 @@ std::vector<std::string> held_out_sentences(const DiagnoseStudy& study, const An
 
 std::vector<std::vector<std::string>> parameter_rows(const DiagnoseStudy& study) {
     std::vector<std::string> head{"parameter", "as given", "calibrated"};
-    std::vector<const CalibrationPoint*> points{&study.baseline.result.start, &study.baseline.point};
+    const CalibrationPoint given = study.given_point();
+    std::vector<const CalibrationPoint*> points{&given, &study.baseline.point};
     if (study.moved) {
         head.emplace_back("told");
         points.push_back(&study.moved->point);

@@ -76,6 +76,24 @@ TEST(DiagnoseRefits, BlocksHeldOutMustBePredictedBetter) {
     EXPECT_THAT(study.demoted, HasSubstr("held out"));
 }
 
+TEST(DiagnoseRefits, ByMoreThanChance) {
+    AnswerFit fit = answer("ground_drag", 1.0, 0.9);
+    const auto judged = [&](std::vector<double> gains, Verdict verdict) {
+        DiagnoseStudy study = study_of({fit});
+        study.verdict = verdict;
+        study.baseline.result.held_out_losses.assign(gains.size(), 1.0);
+        for (const double gain : gains) study.answers[0].model.result.held_out_losses.push_back(1.0 - gain);
+        judge_refits(study);
+        return study;
+    };
+    EXPECT_EQ(judged({0.1, 0.2, 0.1, 0.2}, Verdict::Named).verdict, Verdict::Named);
+    const DiagnoseStudy doubtful = judged({-0.5, 0.7, -0.4, 0.8}, Verdict::Named);  // 0.15 +- 0.35
+    EXPECT_EQ(doubtful.verdict, Verdict::Unknown);
+    EXPECT_THAT(doubtful.demoted, HasSubstr("no more than chance can do (0.15 +- 0.3"));
+    EXPECT_EQ(judged({-0.5, 0.7, -0.4, 0.8}, Verdict::DataProblem).verdict, Verdict::Unknown);
+    EXPECT_EQ(judged({-0.5, 0.7, -0.4, 0.8}, Verdict::Group).verdict, Verdict::Group) << "no name is said";
+}
+
 TEST(DiagnoseRefits, TwoEffectsMustPredictThemBetterThanOneOfThem) {
     AnswerFit two = answer("ground_drag", 1.0, 0.5);
     two.effects.push_back({&candidate("soil_patch"), {}, {}, 0.0, {}});

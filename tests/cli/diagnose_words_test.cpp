@@ -19,6 +19,19 @@ using testing::HasSubstr;
 using testing::Not;
 using testing::StartsWith;
 
+// The model may be calibrated once more from where it was followed to: what was given stays what the site has.
+TEST(DiagnoseWords, WhatWasGivenIsTheSites) {
+    DiagnoseStudy study;
+    study.keys.problem.parameters = {{"soil.waste.rolling", 0.0, 1.0, 0.04, false}};
+    study.keys.problem.choices = {{"soil.waste.choice", {"first", "second"}, 1}};
+    study.baseline.result.start = {{0.3}, {0}};
+    study.baseline.point = {{0.2}, {0}};
+    const auto rows = parameter_rows(study);
+    ASSERT_EQ(rows.size(), 3U);
+    EXPECT_EQ(rows[1], (std::vector<std::string>{"soil.waste.rolling", "0.04", "0.2"}));
+    EXPECT_EQ(rows[2], (std::vector<std::string>{"soil.waste.choice", "second", "first"}));
+}
+
 /// A rejected model with finalists of these weights, the first of which leaves what its own simulations leave with the chance p.
 DiagnoseStudy unknown(const std::vector<double>& weights, double p) {
     DiagnoseStudy study;
