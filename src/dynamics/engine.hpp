@@ -290,7 +290,6 @@ private:
         const double energy_before = energy(before);
         double h = std::min({settings_.time_step, std::max(settings_.time_limit - time_, 1e-9),
                              kMoveInContact * finder_.inner_radius() / std::max(fastest_point(before), 1e-9)});
-        parting_ = all_part(before);
         if (effects_) change_laws(before);  // of the contacts that the look for an impact has set
         State after = moved(before, h);
         if (!is_finite(after)) return finish(StopReason::Failed);  // before anything looks for contacts there
@@ -302,8 +301,7 @@ private:
             new_overlap(after);
         }
         ++end_.counters.contact_steps;
-        MotionSegment<Dim> motion = begin_segment(!parting_ || pressed());
-        parting_ = false;
+        MotionSegment<Dim> motion = begin_segment(pressed());
         state_ = after;
         close_contacts(settings_.activation_gap);
         double depth = 0.0;
@@ -321,14 +319,8 @@ private:
         if (!finished_) look_for_rest(h);
     }
 
-    /// After a bounce the contacts are still closed but part fast: the block flies already, and what acts in contact has no time to.
-    bool all_part(const State& s) const {
-        for (std::size_t c = 0; c < closed_.size(); ++c)
-            if (step_.normal_velocity(c, s) <= settings_.impact_speed) return false;
-        return true;
-    }
-
-    /// A contact has acted in the step that was solved last.
+    /// A contact has acted in the step that was solved last. If none has, the block flew although contacts were closed: after a bounce, or as a corner
+    /// leaves the ground by the turning of the block.
     bool pressed() const {
         for (std::size_t c = 0; c < closed_.size(); ++c)
             if (step_.normal_impulse(c) > 0.0) return true;
@@ -339,21 +331,28 @@ private:
     State moved(const State& before, double h) {
         State after = before;
         step_.look_ahead(before, h);
-        count(step_.solve(h, drive(h, after), RestitutionRule{}, after));
+        count(driven(h, RestitutionRule{}, before, after));
         move(before, h, after);
         return after;
+    }
+
+    /// Velocities at the end of a step with the closed contacts. Drag in contact acts where one of them bears without it: in a step that only ends a
+    /// touch it would take a share that is the step's, not the law's.
+    ContactSolverReport driven(double h, const RestitutionRule& rule, const State& before, State& after) {
+        const Drag in_contact = effects_ ? effects_->drag_in_contact(closed_, before) : Drag{};
+        const auto with = [&](Drag drag) {
+            after = before;
+            const Vec along = effects_ ? effects_->drive(h, drag, after) : gravity_;
+            return step_.solve(h, along, rule, after);
+        };
+        const ContactSolverReport report = with({});
+        return in_contact.none() || !pressed() ? report : with(in_contact);
     }
 
     /// Pose after a step of length h with the mean of the velocities at both ends.
     static void move(const State& before, double h, State& after) {
         after.position = before.position + 0.5 * h * (before.velocity + after.velocity);
         after.orientation = turned(before.orientation, Spin(0.5 * h * (before.spin + after.spin)));
-    }
-
-    /// Acceleration in a step with the closed contacts; drag takes its part of the velocity.
-    Vec drive(double h, State& s) const {
-        if (!effects_) return gravity_;
-        return effects_->drive(h, parting_ ? std::span<const Contact<Dim>>() : closed_, s);
     }
 
     /// Deepest overlap of contacts that were not closed during the step; found_ holds all contacts of the pose.
@@ -487,12 +486,13 @@ private:
             }
             const State before = state_;
             const double energy_before = energy(before);
-            MotionSegment<Dim> motion = begin_segment(in_contact);
+            MotionSegment<Dim> motion = begin_segment(false);
             step_.set_contacts(closed_, rotation_of(predicted_));
             if (effects_) change_laws(before);
             State after = before;
-            const ContactSolverReport report = step_.solve(h, drive(h, after), RestitutionRule{1.0, 0.0}, after);
+            const ContactSolverReport report = driven(h, RestitutionRule{1.0, 0.0}, before, after);
             if (in_contact) count(report);
+            motion.in_contact = in_contact && pressed();
             move(before, h, after);
             if (!is_finite(after)) return finish(StopReason::Failed);
             state_ = after;
@@ -682,7 +682,6 @@ private:
     int impacts_in_a_row_ = 0;
     std::int64_t turns_ = 0;
     bool finished_ = false;
-    bool parting_ = false;  ///< the contacts of this step part fast
     std::vector<Contact<Dim>> closed_, previous_, found_, struck_;
     std::vector<double> approach_;  ///< of the contacts of an impact, towards the ground [m/s]
     TrajectoryEnd<Dim> end_;

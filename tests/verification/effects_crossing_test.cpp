@@ -100,6 +100,16 @@ TYPED_TEST(EffectCrossing, TreeTakesEnergyByItsOffset) {
     }
 }
 
+// The block is some 59 m up where it meets the tree.
+TYPED_TEST(EffectCrossing, TreesArePassedAbove) {
+    for (const double height : {57.0, 61.0}) {
+        Effect trees = effect_with(EffectKind::Trees, {{"diameter", 0.3}, {"height", height}, {"strength", 0.2}});
+        trees.place.points = {{6.0, 0.0, kNaN}};
+        this->ball.effects = {trees};
+        EXPECT_EQ(this->fly().counters.crossings_struck, height > 60.0 ? 1 : 0);
+    }
+}
+
 // A stand without points: hits along a way W are Poisson with mean density (L + DBH) W. Blocks so heavy that they hardly notice.
 TYPED_TEST(EffectCrossing, TreesAreMetAtTheirDensity) {
     this->ball.mass = 1e9;

@@ -132,6 +132,22 @@ TYPED_TEST(EffectLaw, RollingResistanceGrowsWithSpeed) {
     EXPECT_LT(errors[1], 0.6 * errors[0]);
 }
 
+// With the exponent 2, dv/dt = -a (1 + (v / v0)^2): atan(v / v0) falls evenly.
+TYPED_TEST(EffectLaw, RollingResistanceGrowsWithThePowerOfSpeed) {
+    const double mu_r = 0.02, v0 = 3.0, start = 8.0, time = 3.0;
+    this->ball.soil = {"level", 0.0, 0.8, mu_r};
+    this->ball.effects = {effect_with(EffectKind::RollingSpeed, {{"speed", v0}, {"exponent", 2.0}})};
+    const double rate = g * mu_r / ((1.0 + this->ball.roundness()) * this->ball.radius * v0);
+    const double expected = v0 * std::tan(std::atan(start / v0) - rate * time);
+    double errors[2];
+    for (int n = 0; n < 2; ++n) {
+        this->ball.settings.time_step = n == 0 ? 4e-3 : 2e-3;
+        errors[n] = std::abs(this->speed_after(0.0, start, true, time) - expected);
+    }
+    EXPECT_LT(errors[0], 0.01);
+    EXPECT_LT(errors[1], 0.6 * errors[0]);
+}
+
 TYPED_TEST(EffectLaw, RollingResistanceDependsOnSize) {
     const double mu_r = 0.03, exponent = 1.5;
     this->ball.soil = {"level", 0.0, 0.8, mu_r};

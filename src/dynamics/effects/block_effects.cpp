@@ -195,6 +195,8 @@ template <int Dim>
 double BlockEffects<Dim>::take_piece() {
     const double factor = std::cbrt(piece_);
     body_.mass *= piece_;
+    for (Part& p : parts_)  // the way to the next tree of a stand: what is smaller meets fewer
+        if (p.kind == EffectKind::Trees) p.memory *= (body_.length + p.value[0]) / (factor * body_.length + p.value[0]);
     body_.length *= factor;
     ++breaks_;
     broken_ = false;
@@ -257,9 +259,7 @@ Drag BlockEffects<Dim>::drag_in_contact(std::span<const Contact<Dim>> contacts, 
 }
 
 template <int Dim>
-typename BlockEffects<Dim>::Vec BlockEffects<Dim>::drive(double h, std::span<const Contact<Dim>> contacts,
-                                                         State& s) const {
-    Drag drag = drag_in_contact(contacts, s);
+typename BlockEffects<Dim>::Vec BlockEffects<Dim>::drive(double h, Drag drag, State& s) const {
     if (watches_flight_) drag += drag_at(s.position);
     const double x = drag.rate(s.velocity.norm()) * h;
     if (x <= 0.0) return gravity_;
@@ -412,7 +412,6 @@ void BlockEffects<Dim>::moved(const Vec& from, double duration, bool in_contact,
             p.memory = in_contact ? p.memory + way : p.memory * std::exp(-p.value[2] * duration);
         } else if (p.kind == EffectKind::ScarDrag) {
             p.memory2 += way;
-            if (!in_contact) p.memory = 0.0;
         } else if (p.hook == EffectHook::Crossing) {
             cross(p, from, kinetic_energy, s);
         }

@@ -61,9 +61,11 @@ public:
 
     // --- forces ---
 
-    /// Acceleration beside the contact forces in a step of length h [s] with these contacts; lowers the velocity of `s` by what drag takes. For a drag
-    /// rate c, v becomes v exp(-c h) and gravity g (1 - exp(-c h)) / (c h): exact for a constant rate and constant other forces.
-    Vec drive(double h, std::span<const Contact<Dim>> contacts, State& s) const;
+    /// Drag where these contacts bear.
+    Drag drag_in_contact(std::span<const Contact<Dim>> contacts, const State& s) const;
+    /// Acceleration beside the contact forces in a step of length h [s] with this drag in contact; lowers the velocity of `s` by what drag takes. For a
+    /// drag rate c, v becomes v exp(-c h) and gravity g (1 - exp(-c h)) / (c h): exact for a constant rate and constant other forces.
+    Vec drive(double h, Drag drag, State& s) const;
     /// How the flight goes on from here: a parabola and how long it holds.
     FlightArc<Dim> flight_arc(const State& s);
     /// The flight was not flown as foreseen.
@@ -98,7 +100,6 @@ private:
     bool acts_on_flight_at(const Part& part, const Vec& p) const;
     double scar_drag(const Part& part) const;
     Drag drag_at(const Vec& position) const;
-    Drag drag_in_contact(std::span<const Contact<Dim>> contacts, const State& s) const;
     scree_contact_state contact_state(const Part& part, const State& s, const Vec& at) const;
     double next_tree(const Part& part, const Vec& from, const Vec& to, double& offset) const;
     double first_change(const Vec& from, const Vec& to) const;

@@ -142,7 +142,9 @@ constexpr EffectInfo kCatalogue[] = {
     {K::SlipFriction, "slip_friction", "friction grows along a contact", H::ContactLaw, kOnGround,
      "mu' = mu (1 + (ratio - 1) 2/pi atan(growth s)); ds/dt = |v| in contact, -decay s in flight",
      "Leine et al. 2014, Simulation of rockfall trajectories with consideration of rock shape, eqs 46-47",
-     "spin, heights; angular blocks more than round ones", "The soil's mu is that of a fresh contact.", kSlip},
+     "spin, heights; angular blocks more than round ones",
+     "The soil's mu is that of a fresh contact. Limited to a soil it acts there, but the way s counts on every soil.",
+     kSlip},
     {K::RollingSpeed, "rolling_speed", "rolling resistance grows with speed", H::ContactLaw, kOnGround,
      "mu_r' = mu_r (1 + (|v| / speed)^exponent)", "empirical", "speeds and stops; spin separates it from drag",
      "Easily taken for a rounder or sharper shape.", kRollingSpeed},
@@ -151,7 +153,8 @@ constexpr EffectInfo kCatalogue[] = {
      "empirical; exponent 1 is geometric similarity", "stops and speeds with masses",
      "Invisible where blocks are not identified.", kRollingSize},
     {K::LowFriction, "low_friction", "a wet, frozen or smooth layer", H::ContactLaw, kOnGround,
-     "mu' = min(mu, friction)", "Coulomb's law", "spin collapses, stops farther", "", kLowFriction},
+     "mu' = min(mu, friction)", "Coulomb's law", "spin collapses, stops farther",
+     "What comes after it in the site file may raise mu again.", kLowFriction},
     {K::Roughness, "roughness", "bumps that the terrain model leaves out", H::Impact, kOnGroundAtImpact,
      "at an impact the normals are turned by an angle drawn evenly from 0 to atan(2 S / L), about an axis drawn evenly "
      "in the "
@@ -164,12 +167,13 @@ constexpr EffectInfo kCatalogue[] = {
     {K::GroundDrag, "ground_drag", "soft ground, slow motion", H::ContactForce, kOnGround,
      "F = -m c v while in contact", "viscous drag, as in RAMMS-type models of soft ground",
      "speeds fall, hardly more stops",
-     "Limits the speed on a slope without stopping the block. A bounce takes no time and is not slowed: much where e "
-     "is 0, hardly anything from e = 0.2 on.",
+     "Limits the speed on a slope without stopping the block. Acts while the ground bears the block: what slides or "
+     "rolls "
+     "is slowed, fast angular blocks, which touch the ground and leave it, hardly.",
      kGroundDrag},
     {K::GroundDragQuadratic, "ground_drag_quadratic", "soft ground, fast motion", H::ContactForce, kOnGround,
      "F = -m c |v| v while in contact", "quadratic drag", "fast blocks are slowed, hardly more stops",
-     "A bounce takes no time and is not slowed: hardly anything from e = 0.2 on.", kGroundDragQuadratic},
+     "Acts while the ground bears the block, as ground_drag.", kGroundDragQuadratic},
     {K::ScarDrag, "scar_drag", "blocks plough compactable soil", H::ContactForce, kOnGroundAtImpact,
      "F = -1/2 (C_f + C_s) density A(d) |v| v while in contact; at an impact d = max(d, 0.1 m^(1/3) M_E^(-0.4) "
      "v_n^0.8), with "
@@ -178,10 +182,14 @@ constexpr EffectInfo kCatalogue[] = {
      "Lu et al. 2019, Modelling rockfall impact with scarring in compactable soils, eqs 8-14; the way over which a "
      "scar is left "
      "behind is Scree's",
-     "speeds, small blocks most; v over spin rises", "Force through the centre of mass: no torque.", kScar},
+     "speeds, small blocks most; v over spin rises",
+     "Force through the centre of mass: no torque. Acts while the ground bears the block: a block that leaves its scar "
+     "at "
+     "once, in a bounce, is not slowed.",
+     kScar},
     {K::ScarDragReduced, "scar_drag_reduced", "blocks plough soft soil, one number", H::ContactForce, kOnGround,
      "F = -m k |v| v / L while in contact", "Lu et al. 2019 with A proportional to L^2", "speeds, small blocks most",
-     "A bounce takes no time and is not slowed: hardly anything from e = 0.2 on.", kScarReduced},
+     "Acts while the ground bears the block, as ground_drag.", kScarReduced},
     {K::AirDrag, "air_drag", "air", H::Force, kInZone, "F = -1/2 air_density C_d pi/4 L^2 |v| v", "drag equation",
      "hardly anything: 1 % of the weight of a block of 0.8 m at 20 m/s", "", kAir},
     {K::ForestDrag, "forest_drag", "forest as a drag zone", H::Force, kInZone, "F = -C v below the canopy",
@@ -227,7 +235,10 @@ constexpr EffectInfo kCatalogue[] = {
      "kinematics", "speeds at the first screen", "", kReleaseMotion},
     {K::BlockShape, "block_shape", "rounder, sharper, longer or platier blocks", H::Block, kAnywhere,
      "corners times `corners`; L1/L2 times elongation, L2/L3 times flatness, L1 L2 L3 kept", "geometry",
-     "everything from the first metres on", "The great impostor: measure shapes before naming a rolling law.", kShape},
+     "everything from the first metres on",
+     "The great impostor: measure shapes before naming a rolling law. In 2D a block has no thickness: another "
+     "flatness makes it larger or smaller.",
+     kShape},
     {K::SpeedError, "speed_error", "speeds are measured wrong", H::Measurement, kAnywhere,
      "v_measured = (1 + bias) v + noise N(0, 1)", "measurement model", "speeds move, stops do not", "", kSpeedError},
     {K::ScreenShift, "screen_shift", "a screen is misplaced", H::Measurement, kAtScreen,
