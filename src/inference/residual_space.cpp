@@ -96,7 +96,7 @@ ResidualSpace::ResidualSpace(ObservationTable reference, const ObservationTable&
     const std::int32_t last =
         reference_.block.empty() ? -1 : *std::max_element(reference_.block.begin(), reference_.block.end());
     sorted_.resize(reference_.columns.size());
-    passed_.resize(reference_.columns.size());
+    sums_.resize(reference_.columns.size());
     for (std::size_t k = 0; k < sorted_.size(); ++k) {
         sorted_[k].resize(static_cast<std::size_t>(last + 2));
         for (std::size_t row = 0; row < reference_.rows(); ++row) {
@@ -105,9 +105,7 @@ ResidualSpace::ResidualSpace(ObservationTable reference, const ObservationTable&
             sorted_[k][stratum(reference_.block[row])].push_back(v);
         }
         for (auto& values : sorted_[k]) std::sort(values.begin(), values.end());
-        if (reference_.columns[k].quantity == Quantity::Passed)
-            for (const auto& values : sorted_[k])
-                passed_[k].push_back(std::accumulate(values.begin(), values.end(), 0.0));
+        for (const auto& values : sorted_[k]) sums_[k].push_back(std::accumulate(values.begin(), values.end(), 0.0));
     }
     choose(measured, settings, residuals);
     own_ = raw(reference_, true);
@@ -277,7 +275,7 @@ double ResidualSpace::expected_share(const ObservationTable& table, std::size_t 
     if (s >= sorted_[column].size()) return kNaN;
     const std::vector<double>& members = sorted_[column][s];
     if (members.size() < kLeastMembers + (own ? 1 : 0)) return kNaN;
-    return (passed_[column][s] - (own ? table.values[column][row] : 0.0)) /
+    return (sums_[column][s] - (own ? table.values[column][row] : 0.0)) /
            static_cast<double>(members.size() - (own ? 1 : 0));
 }
 

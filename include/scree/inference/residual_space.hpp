@@ -99,8 +99,8 @@ private:
     ResidualSettings settings_;
     bool known_;                                            ///< which records are of one block
     std::vector<std::vector<std::vector<double>>> sorted_;  ///< per column and stratum, ascending [*]
-    std::vector<std::vector<double>> passed_;               ///< per column of who passed, and stratum [-]
-    std::vector<double> log_mass_, log_shape_, order_;      ///< per block of the test, standardised [-]
+    std::vector<std::vector<double>> sums_;             ///< their sums: of who passed, or is in a zone, how many [*]
+    std::vector<double> log_mass_, log_shape_, order_;  ///< per block of the test, standardised [-]
     std::vector<ByState> states_;
     std::vector<Residual> residuals_;
     Eigen::VectorXd mean_;  ///< of the raw residuals of the reference
