@@ -118,8 +118,8 @@ void Diagnoser::weigh(Diagnosis& d, std::vector<Hypothesis>& followed) const {
             continue;
         }
         const std::size_t form = variants_[here->fingerprint].variant;
+        better->other_forms.merge(here->other_forms);
         if (form != variants_[better->fingerprint].variant && here->p > settings_.rejected) {
-            better->other_forms.merge(here->other_forms);
             double& weight = better->other_forms.try_emplace(form, -kInfinity).first->second;
             weight = std::max(weight, log_weight(*here));
         }

@@ -66,7 +66,7 @@ TEST(DiagnoseFurther, APlanCountsWhatMoreWouldShow) {
     DiagnoseStudy study;
     study.planning = true;
     study.catalogue.candidates = {kDrag, kPatch};
-    study.diagnosis = plan(4.0, 4.0, 0.5);  // of all forms, with their price
+    study.diagnosis = plan(4.0, 4.0, 0.5);                            // of all forms, with their price
     study.further = {{"the same instruments", plan(4.0, 2.8, 0.95)},  // 3.34 are needed
                      {"spins at the screens", plan(5.0, 3.5, 0.7)}};
     const std::vector<FurtherRow> rows = further_rows(study);
