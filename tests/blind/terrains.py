@@ -32,8 +32,11 @@ SLOPES = {
     "road": {"reaches": [(34, 38), (6, 2), (3, 45), (28, 34), (14, 14), (60, 0), (80, -12)], "floor": 86.0, "screens": (40.0, 80.0), "crown": 10.0},
     "terraces": {"reaches": [(18, 36), (3, 62), (12, 16), (22, 38), (3, 62), (10, 10), (18, 36), (60, 0), (80, -12)], "floor": 96.0, "screens": (48.0, 88.0), "crown": 10.0},
     "gorge": {"reaches": [(12, 46), (24, 36), (12, 44), (16, 28), (18, 16), (60, 0), (90, -14)], "floor": 92.0, "screens": (44.0, 74.0), "crown": 10.0},
+    "bluff": {"reaches": [(24, 36), (7, 4), (4, 64), (30, 35), (16, 18), (70, 0), (80, -12)], "floor": 92.0, "screens": (52.0, 82.0), "crown": 10.0},
+    "spur": {"reaches": [(20, 42), (8, 18), (28, 39), (16, 29), (14, 10), (70, 0), (80, -12)], "floor": 94.0, "screens": (44.0, 82.0), "crown": 9.0},
+    "glacis": {"reaches": [(14, 45), (26, 39), (24, 34), (18, 24), (16, 9), (70, 0), (80, -12)], "floor": 98.0, "screens": (40.0, 84.0), "crown": 11.0},
 }
-SETS = {"development": ("talus", "benches", "convex"), "test": ("couloir", "steps", "hollow"), "final": ("road", "terraces", "gorge")}
+SETS = {"development": ("talus", "benches", "convex"), "test": ("couloir", "steps", "hollow"), "final": ("road", "terraces", "gorge"), "later": ("bluff", "spur", "glacis")}
 
 
 def heights(name, x):

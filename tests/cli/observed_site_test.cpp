@@ -5,6 +5,7 @@
 #include "cli/commands.hpp"
 #include "cli/field_test.hpp"
 #include "cli/program.hpp"
+#include "cli/results.hpp"
 #include "cli/site_file.hpp"
 #include "cli/site_model.hpp"
 #include "gis/sha256.hpp"
