@@ -363,7 +363,7 @@ std::string calibrate_html(const CalibrationReport& r, const std::vector<Figure>
     for (const CalibrationPlace& p : r.result.places)
         rows.push_back({p.name, score_text(p.best), score_text(p.held_out), score_text(p.test)});
     if (!rows.empty())
-        html << html_table({"of that, at", "calibrated", "blocks held out", "the whole place left out"}, rows);
+        html << html_table({"of that, at", "calibrated", "blocks held out", "the whole of it left out"}, rows);
     html << kHow;
     for (const Figure& f : figures) html << "<h2>" << escaped(f.title) << "</h2>\n" << html_figure(f);
     html << "<h2>Measured and simulated, calibrated</h2>\n" << gaps_table(r);

@@ -98,6 +98,7 @@ ExitCode run_calibrate(const Context& context) {
             "of at least two blocks");
     report.keys.problem.records = loss.records();
     report.keys.problem.places = loss.places();
+    report.keys.problem.paths = loss.paths();
     report.observables = loss.observables();
     report.settings = site.settings.calibration.search;
     report.settings.seed = static_cast<std::uint64_t>(site.settings.seed);

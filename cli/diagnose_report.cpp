@@ -165,8 +165,8 @@ std::string places_html(const DiagnoseStudy& study, const AnswerFit* a) {
             if (a) rows.back().push_back(gap_number((a->model.result.places[k].*fit).gap()));
         }
     }
-    return "<p>Gap of what is fitted, by where it was measured: of all blocks, of blocks held out, and of the whole "
-           "place left out of the calibration.</p>\n" +
+    return "<p>Gap of what is fitted, by where it was measured, and by path where blocks went down several: of all "
+           "blocks, of blocks held out, and of the whole place or path left out of the calibration.</p>\n" +
            html_table(head, rows);
 }
 

@@ -245,6 +245,7 @@ private:
                 beside.insert(r.body.id);
             }
         }
+        name_paths();
         if (!off.empty())
             find(Severity::Error, "release_off_terrain",
                  std::to_string(off.size()) + " release points lie off the DTM or over a hole in it (" + listed(off) +
@@ -257,6 +258,34 @@ private:
                     "profile.release_distance is that distance";
             find(Severity::Warning, "release_beside_profile", text.str());
         }
+    }
+
+    /// Number of the profile on which a block was let go, or in 3D of the feature of the release layer; -1: unknown.
+    std::int64_t path_of(const ObservedBlock& block) const {
+        if (model_.in_plane()) return block.profile < 0 ? -1 : block.profile + 1;
+        if (!std::isfinite(block.release.x())) return -1;
+        std::int64_t nearest = -1;
+        double least = kInfinity;
+        for (const Feature& feature : model_.release.layer.features) {
+            const double distance = plan_distance(block.release, feature.geometry);
+            if (distance >= least) continue;
+            least = distance;
+            nearest = feature.id;
+        }
+        return nearest;
+    }
+
+    void name_paths() {
+        Observations& o = result_.observations;
+        std::map<std::int64_t, std::int32_t> paths;  // by their numbers
+        for (const ObservedBlock& block : o.blocks)
+            if (const std::int64_t number = path_of(block); number >= 0) paths[number] = -1;
+        for (auto& [number, path] : paths) {
+            path = static_cast<std::int32_t>(o.paths.size());
+            o.paths.push_back((model_.in_plane() ? "profile " : "release feature ") + std::to_string(number));
+        }
+        for (ObservedBlock& block : o.blocks)
+            if (const auto path = paths.find(path_of(block)); path != paths.end()) block.path = path->second;
     }
 
     void decide_matching() {

@@ -458,6 +458,7 @@ private:
             result_.places.push_back({problem_.places[p], {}, {}, {}, fit_of(at_place(best, p), {}), {0.0, 0.0}});
         if (plan_.folds > 0) hold_blocks_out(start);
         for (std::size_t p = 0; p < plan_.places; ++p) leave_out(p);
+        for (std::size_t p = 0; p < plan_.paths; ++p) leave_out(problem_.paths[p], best);
     }
 
     /// The best of what a calibration that knows less may end at, by what it knows: where its quadratic leads, and what was simulated, for around an answer
@@ -487,6 +488,7 @@ private:
         for (std::size_t k = shuffled.size(); k > 1; --k) std::swap(shuffled[k - 1], shuffled[random.below(k)]);
         result_.held_out = result_.held_out_start = {0.0, 0.0};
         result_.held_out_losses.assign(problem_.records, kNaN);
+        std::vector<double> floors(problem_.records, kNaN);
         for (std::size_t f = 0; f < plan_.folds; ++f) {
             CalibrationFold fold;
             std::vector<char> training(problem_.records, 1), test(problem_.records, 0);
@@ -503,8 +505,10 @@ private:
                     fold.point = point;
                     fold.training = known;
                     fold.test = fit_of(result, test);
-                    for (const std::size_t k : fold.held_out)
+                    for (const std::size_t k : fold.held_out) {
                         result_.held_out_losses[k] = result.loss.empty() ? kNaN : result.loss[k];
+                        floors[k] = result.loss.empty() ? kNaN : result.floor[k];
+                    }
                     for (std::size_t p = 0; p < at_places.size(); ++p) at_places[p] = fit_of(at_place(result, p), test);
                 });
             fold.start_test = fit_of(start, test);
@@ -518,6 +522,7 @@ private:
             for (std::size_t p = 0; p < at_places.size(); ++p) add(result_.places[p].held_out, at_places[p]);
             result_.folds.push_back(std::move(fold));
         }
+        held_out_ = {result_.held_out_losses, std::move(floors)};
     }
 
     void leave_out(std::size_t place) {
@@ -534,6 +539,26 @@ private:
             });
     }
 
+    void leave_out(const CalibrationPath& path, const SimulatedLoss& of_best) {
+        std::vector<char> others(problem_.records, 1), own(problem_.records, 0);
+        for (const std::size_t k : path.records) {
+            others[k] = 0;
+            own[k] = 1;
+        }
+        CalibrationPlace left;
+        left.name = path.name;
+        left.best = fit_of(of_best, own);
+        left.held_out = fit_of(held_out_, own);
+        calibrate_by(
+            *fit_, others, [&](const SimulatedLoss& all) { return fit_of(all, others); },
+            [&](const CalibrationPoint& point, const CalibrationFit& known, const SimulatedLoss& result) {
+                left.point = point;
+                left.training = known;
+                left.test = fit_of(result, own);
+            });
+        result_.places.push_back(std::move(left));
+    }
+
     const CalibrationProblem& problem_;
     const CalibrationSettings& s_;
     const LossFunction& function_;
@@ -544,7 +569,8 @@ private:
     std::vector<CalibrationPoint> best_seen_;  ///< by each search
     std::size_t done_ = 0;
     double least_loss_ = kInfinity, best_gap_ = kNaN;
-    Looked looked_;  ///< what the quadratics rest on
+    SimulatedLoss held_out_;  ///< of every record, by the fold that left it out
+    Looked looked_;           ///< what the quadratics rest on
     std::optional<QuadraticFit> fit_;
     MinimumSpread spread_;
     UnitBox box_;

@@ -152,6 +152,21 @@ double CalibrationLoss::add_counts(Part& part) {
     return length;
 }
 
+std::vector<CalibrationPath> CalibrationLoss::paths() const {
+    const Observations& o = function_.observations();
+    if (!o.matched) return {};
+    std::vector<CalibrationPath> paths;
+    for (const std::string& name : o.paths) paths.push_back({name, {}});
+    const std::vector<std::int32_t>& block_of = function_.measured().block;
+    for (std::size_t row = 0; row < block_of.size(); ++row) {
+        if (block_of[row] < 0) continue;
+        const std::int32_t path = o.blocks[static_cast<std::size_t>(block_of[row])].path;
+        if (path >= 0) paths[static_cast<std::size_t>(path)].records.push_back(row);
+    }
+    std::erase_if(paths, [](const CalibrationPath& path) { return path.records.size() < kLeastOnPath; });
+    return paths;
+}
+
 std::vector<std::string> CalibrationLoss::observables() const {
     std::vector<std::string> names;
     for (const Part& part : parts_) names.push_back(part.observable.name);

@@ -32,7 +32,9 @@ CalibrationPlan::CalibrationPlan(const CalibrationProblem& problem, const Calibr
         levels = std::move(more);
     }
     folds = s.folds < 2 || dimension == 0 ? 0 : std::min(positive(s.folds), problem.records);
-    places = folds == 0 || problem.places.size() < 2 ? 0 : problem.places.size();
+    const auto if_several = [&](std::size_t n) { return folds == 0 || n < 2 ? 0 : n; };
+    places = if_several(problem.places.size());
+    paths = if_several(problem.paths.size());
     if (dimension == 0) return;
     const CalibrationSettings decided = with_budget_of(s, dimension);
     screening = positive(decided.screening);
@@ -45,7 +47,7 @@ CalibrationPlan::CalibrationPlan(const CalibrationProblem& problem, const Calibr
 
 std::size_t CalibrationPlan::total() const {
     return levels.size() * (screening + starts * (population * generations + (dimension > 0 ? 3 : 1) * kRaceSeeds)) +
-           surroundings + (dimension > 0 ? 3 + kSeen : 2) + (folds + places) * (1 + kSeen);
+           surroundings + (dimension > 0 ? 3 + kSeen : 2) + (folds + places + paths) * (1 + kSeen);
 }
 
 void check_problem(const CalibrationProblem& problem) {

@@ -28,7 +28,7 @@ struct CalibrationPlan {
     std::size_t starts = 1;                        ///< searches of each combination
     std::size_t population = 0, generations = 0;   ///< of a search
     std::size_t surroundings = 0;                  ///< points around the best one
-    std::size_t folds = 0, places = 0;             ///< that are held out
+    std::size_t folds = 0, places = 0, paths = 0;  ///< that are held out
 };
 
 /// Throws InputError where there is nothing to calibrate, or ranges hold nothing.

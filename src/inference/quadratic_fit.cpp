@@ -31,11 +31,11 @@ Eigen::RowVectorXd features(const Eigen::VectorXd& z) {
 
 /// Less than 1 where the mean loss exceeds the least by more than kWall times what the median does. The least is a quantile: single points are lucky.
 Eigen::VectorXd trust_in_valley(const Eigen::MatrixXd& losses) {
-    constexpr double kLeast = 0.1, kWall = 3.0;  // a quadratic in a box rarely exceeds that [-]
+    constexpr double kFloor = 0.1, kWall = 3.0;  // a quadratic in a box rarely exceeds that [-]
     const Eigen::VectorXd mean = losses.rowwise().mean();
     std::vector<double> sorted(mean.begin(), mean.end());
     std::sort(sorted.begin(), sorted.end());
-    const double least = sample_quantile(sorted, kLeast), width = kWall * (sample_quantile(sorted, 0.5) - least);
+    const double least = sample_quantile(sorted, kFloor), width = kWall * (sample_quantile(sorted, 0.5) - least);
     Eigen::VectorXd trust = Eigen::VectorXd::Ones(mean.size());
     for (Eigen::Index k = 0; k < mean.size() && width > 0.0; ++k)
         trust[k] = 1.0 / std::max(1.0, (mean[k] - least) / width);

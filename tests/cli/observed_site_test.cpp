@@ -159,6 +159,48 @@ TEST(ObservedSite, BlocksStartWhereTheyWereLetGo) {
         }
 }
 
+// Blocks go down the path that begins where they were let go: a feature of the release layer, or in 2D a profile.
+TEST(ObservedSite, PathsBeginWhereBlocksWereLetGo) {
+    const test::TempDir folder;
+    const std::string file = test::quarry_with(folder.path(), "");
+    const auto square = [](int west, int south) {
+        const auto corner = [](int x, int y) { return "[" + std::to_string(x) + "," + std::to_string(y) + "]"; };
+        return "{\"type\":\"Feature\",\"properties\":{},\"geometry\":{\"type\":\"Polygon\",\"coordinates\":[[" +
+               corner(west, south) + "," + corner(west + 2, south) + "," + corner(west + 2, south + 2) + "," +
+               corner(west, south + 2) + "," + corner(west, south) + "]]}}";
+    };
+    test::put(folder / "two.geojson",
+              "{\"type\":\"FeatureCollection\",\"crs\":{\"type\":\"name\",\"properties\":{\"name\":"
+              "\"urn:ogc:def:crs:EPSG::2154\"}},\"features\":[" +
+                  square(890020, 6670036) + "," + square(890020, 6670052) + "]}");
+    for (const std::string dimension : {"2", "3"}) {
+        const std::vector<std::string> changes{"release.file=two.geojson", "model.dimension=" + dimension};
+        const std::string field = (folder / ("field" + dimension)).string();
+        std::vector<std::string> args{"run", file, "--output", field, "--set", "release.count=16", "--seed", "5"};
+        for (const std::string& change : changes) args.insert(args.end(), {"--set", change});
+        const test::Outcome run = test::scree_program(args);
+        ASSERT_EQ(run.code, 0) << run.err;
+        const SiteFile site = read_site_file(file, changes);
+        const ObservedSite observed = load_observed(site, load_site(site), field);
+        const Observations& o = observed.observations;
+        if (dimension == "2")
+            EXPECT_THAT(o.paths, ElementsAre("profile 1", "profile 2"));
+        else
+            EXPECT_THAT(o.paths, ElementsAre("release feature 0", "release feature 1"));
+        std::size_t of[2] = {0, 0};
+        for (const ObservedBlock& b : o.blocks) {
+            ASSERT_GE(b.path, 0);
+            ++of[b.path];
+            EXPECT_EQ(b.path == o.blocks[0].path, std::abs(b.release.y() - o.blocks[0].release.y()) < 8.0);
+        }
+        EXPECT_GE(of[0], 4u);
+        EXPECT_GE(of[1], 4u);
+        const auto plain = load_observed(read_site_file(file, {"model.dimension=" + dimension}),
+                                         load_site(read_site_file(file, {"model.dimension=" + dimension})), field);
+        EXPECT_LE(plain.observations.paths.size(), 1u) << "the site itself has one";
+    }
+}
+
 // What stands beside the results has their name and more, with a slash at its end as without.
 TEST(ResultsFolderName, EndsWithoutASlash) {
     SiteFile site;

@@ -83,6 +83,20 @@ TEST(CalibrationLoss, CountsWhatCountsInTheOverallGap) {
     EXPECT_THAT(pool.observables(), ::testing::ElementsAre("stop position", "passing screen", "speed at screen"));
 }
 
+// Every path whose blocks are known is one, if it has enough of them.
+TEST(CalibrationLoss, KnowsTheRecordsOfEachPath) {
+    Observations o = test_of(true);
+    o.paths = {"east", "west", "a few"};
+    for (std::size_t k = 0; k < o.blocks.size(); ++k) o.blocks[k].path = k < 4 ? 2 : k < 10 ? 1 : k % 2 == 0 ? 0 : -1;
+    const std::vector<CalibrationPath> paths = CalibrationLoss(GapFunction(o, test_operator())).paths();
+    ASSERT_EQ(paths.size(), 2U);
+    EXPECT_EQ(paths[0].name, "east");
+    EXPECT_EQ(paths[0].records.size(), (kBlocks - 10) / 2);
+    EXPECT_THAT(paths[1].records, ::testing::ElementsAre(4, 5, 6, 7, 8, 9));
+    o.matched = false;  // a pool is thrown down all of them
+    EXPECT_TRUE(CalibrationLoss(GapFunction(o, test_operator())).paths().empty());
+}
+
 TEST(CalibrationLoss, IsOneGapIfNothingDiffersAndLeastAtTheTruth) {
     for (const bool matched : {true, false}) {
         const CalibrationLoss loss(GapFunction(test_of(matched), test_operator()));

@@ -249,6 +249,52 @@ TEST(Calibration, LeavesOutEveryPlaceOnce) {
     EXPECT_TRUE(calibrate(problem, quick(), one_place, another, nullptr).places.empty());
 }
 
+// Blocks of two paths that ask for different values: what is left out is predicted by the blocks of the other path, whatever place they were seen at.
+TEST(Calibration, LeavesOutEveryPathOnce) {
+    CalibrationProblem problem;
+    problem.parameters = {{"x", 0.0, 10.0, 5.0, false}};
+    problem.records = kRecords;
+    CalibrationPath east{"east", {}}, west{"west", {}};
+    for (std::size_t k = 0; k < kRecords; ++k) (k % 4 == 0 ? east : west).records.push_back(k);
+    problem.paths = {east, west};
+    const LossFunction two_paths = [](const CalibrationTask& task) {
+        SimulatedLoss result;
+        for (std::size_t k = 0; k < kRecords; ++k) {
+            RandomStream random(task.seed, k, RandomPurpose::Effect);
+            const double off = task.point.values[0] - (k % 4 == 0 ? 3.0 : 7.0);
+            result.loss.push_back(0.5 + off * off + 0.02 * random.normal());
+            result.floor.push_back(0.5);
+        }
+        return std::optional(result);
+    };
+    CalibrationJournal journal;
+    std::size_t planned = 0;
+    const CalibrationResult r =
+        calibrate(problem, quick(), two_paths, journal, [&](const CalibrationProgress& p) { planned = p.planned; });
+    EXPECT_EQ(journal.size(), planned);
+    EXPECT_NEAR(r.best.values[0], 6.0, 0.1);  // a quarter of the blocks goes east
+    ASSERT_EQ(r.places.size(), 2U);
+    EXPECT_EQ(r.places[0].name, "east");
+    EXPECT_EQ(r.places[1].name, "west");
+    EXPECT_NEAR(r.places[0].point.values[0], 7.0, 0.1);
+    EXPECT_NEAR(r.places[1].point.values[0], 3.0, 0.3);
+    for (const CalibrationPlace& left : r.places) {
+        EXPECT_NEAR(left.training.loss, 0.5, 0.15);
+        EXPECT_NEAR(left.test.loss, 0.5 + 16.0, 2.0);
+    }
+    EXPECT_NEAR(r.places[0].best.loss, 0.5 + 9.0, 0.7);
+    EXPECT_NEAR(r.places[1].best.loss, 0.5 + 1.0, 0.3);
+    double east_held_out = 0.0;
+    for (const std::size_t k : east.records)
+        east_held_out += r.held_out_losses[k] / static_cast<double>(east.records.size());
+    EXPECT_NEAR(r.places[0].held_out.loss, east_held_out, 1e-12);
+    EXPECT_NEAR(r.places[0].held_out.floor, 0.5, 1e-12);
+
+    problem.paths = {east};  // nobody knows where the others went: that is one path
+    CalibrationJournal another;
+    EXPECT_TRUE(calibrate(problem, quick(), two_paths, another, nullptr).places.empty());
+}
+
 TEST(Calibration, ChoicesAloneAreRaced) {
     CalibrationProblem problem = two_and_a_choice();
     problem.parameters.clear();

@@ -29,6 +29,9 @@ using Polylines = std::vector<Polyline>;
 using MultiPolygon = std::vector<Polygon>;
 using Geometry = std::variant<std::monostate, Points, Polylines, MultiPolygon>;
 
+/// Distance in plan view: 0 in a polygon (but not in its holes), infinite from a geometry that holds nothing [m].
+double plan_distance(const Vec2& p, const Geometry& geometry);
+
 /// monostate is NULL.
 using FieldValue = std::variant<std::monostate, std::int64_t, double, std::string>;
 

@@ -47,12 +47,20 @@ struct CalibrationChoice {
     std::size_t start = 0;  ///< of the uncalibrated model [-]
 };
 
+/// Records of one path down the slope.
+struct CalibrationPath {
+    std::string name;
+    std::vector<std::size_t> records;  ///< [-]
+};
+
 struct CalibrationProblem {
     std::vector<CalibrationParameter> parameters;
     std::vector<CalibrationChoice> choices;
     std::size_t records = 0;  ///< measured blocks [-]
     /// Where it was measured (a screen, the stops). If there are several, each is left out once, and predicted by what the others say.
     std::vector<std::string> places = {};
+    /// If there are several, each is left out once, too, and predicted by what all other records say.
+    std::vector<CalibrationPath> paths = {};
 };
 
 struct CalibrationPoint {
@@ -153,10 +161,10 @@ struct CalibrationFold {
     CalibrationFit start_test;          ///< of those held out, with the uncalibrated model
 };
 
-/// A place that the calibration was not told about, and what it predicts there.
+/// A place, or a path, that the calibration was not told about, and what it predicts there.
 struct CalibrationPlace {
     std::string name;
-    CalibrationPoint point;         ///< best for the other places
+    CalibrationPoint point;         ///< best for the others
     CalibrationFit training, test;  ///< of the others, of the one left out
     CalibrationFit best, held_out;  ///< there: of the calibration that knows all; over all folds of blocks
 };
@@ -183,7 +191,7 @@ struct CalibrationResult {
     std::vector<CalibrationFold> folds;
     CalibrationFit held_out, held_out_start;  ///< over all folds
     std::vector<double> held_out_losses;   ///< of every record, by the fold that left it out; empty without folds [-]
-    std::vector<CalibrationPlace> places;  ///< empty if there is one only, or no cross-validation
+    std::vector<CalibrationPlace> places;  ///< then paths; empty if there is one only, or no cross-validation
     std::vector<std::vector<double>>
         draws;  ///< plausible parameter values, for pictures and predictions: per draw one per parameter [*]
 

@@ -6,6 +6,9 @@
 
 namespace scree {
 
+/// Of fewer measured blocks the score of a path is luck [-].
+inline constexpr std::size_t kLeastOnPath = 5;
+
 /// What each measured block loses in a simulation, for calibrate(): the energy score (distance.hpp) of what was measured on it against the simulated values
 /// that could have been its own, summed over the observables that count in the overall gap. A strictly proper score: least in expectation for the
 /// distribution that the block was drawn from. A known block is held against its own repeats, others against the pool; shares that are known as counts
@@ -22,6 +25,8 @@ public:
     std::size_t records() const { return records_; }
     /// Where they were measured: the stops, a screen, the films of impacts.
     const std::vector<std::string>& places() const { return places_; }
+    /// Records of the known blocks of each path; paths of fewer than kLeastOnPath are left away.
+    std::vector<CalibrationPath> paths() const;
     /// Names of the observables that are minimised.
     std::vector<std::string> observables() const;
     /// Empty where a measured block has fewer than kLeastRepeats simulated values: losses over different blocks cannot be compared. `seed` draws the errors of

@@ -25,6 +25,7 @@ public:
     /// Without them there is no overall score, because a model that sets its own scale could win by spreading [unit of the column].
     GapFunction with_scales(std::vector<double> scales) const;
 
+    const Observations& observations() const { return observations_; }
     const ObservationTable& measured() const { return measured_; }
     const std::vector<Observable>& observables() const { return observables_; }
     const ObservationOperator& op() const { return op_; }

@@ -25,6 +25,7 @@ struct ObservedBlock {
     Vec2 release = Vec2::Constant(kNaN);  ///< where it was let go, plan view [m]
     std::int32_t profile = -1;            ///< in 2D: the profile on which it was let go; -1: unknown
     double s = kNaN;                      ///< in 2D: chainage along that profile [m]
+    std::int32_t path = -1;               ///< down which it went, of Observations::paths; -1: unknown
     double order = kNaN;                  ///< place in the order of the test; unknown unless somebody wrote it down [-]
     bool has_body() const { return mass > 0.0 && (size.array() > 0.0).all(); }
 };
@@ -68,6 +69,7 @@ struct ObservedShare {
 
 struct Observations {
     std::vector<ObservedBlock> blocks;
+    std::vector<std::string> paths;  ///< names, each once
     std::vector<ObservedStop> stops;
     std::vector<ObservedCrossing> crossings;
     std::vector<ObservedShare> shares;
