@@ -43,6 +43,31 @@ TEST(Diagnosis, DISABLED_StatisticsOfNames) {
         }
 }
 
+// How often the right effect is no explanation by its own simulations (p of at most 0.05), with true parameters inside their ranges and at the ends of these.
+TEST(Diagnosis, DISABLED_StatisticsOfFits) {
+    const auto blocks = blocks_of_test();
+    for (const bool at_ends : {false, true}) {
+        DiagnosisProblem problem = problem_for(blocks, all_effects());
+        const std::vector<double> truth = at_ends ? std::vector<double>{0.0, 1.0} : problem.calibrated;
+        problem.calibrated = truth;
+        int finalists = 0, rejected = 0, named = 0;
+        double mean = 0.0;
+        for (std::uint64_t k = 0; k < 100; ++k) {
+            const ObservationTable table = throw_blocks(blocks, {truth, {{kMassTrend, 0, 3.5}}, 60'000'000 + k, 1});
+            const Diagnosis d = diagnosis_of(blocks, problem, table, brief(k));
+            for (const EffectFinding& f : d.findings) {
+                if (f.effect != kMassTrend || !f.finalist) continue;
+                ++finalists;
+                rejected += f.p <= 0.05;
+                mean += f.p;
+            }
+            named += d.answer.size() == 1 && d.answer.front().effect == kMassTrend;
+        }
+        std::cout << (at_ends ? "at the ends" : "inside") << ": " << finalists << " finalists of 100 tests, "
+                  << rejected << " rejected, mean p " << mean / finalists << ", named " << named << std::endl;
+    }
+}
+
 TEST(Diagnosis, DISABLED_StatisticsOfPlaces) {
     const auto blocks = blocks_of_test();
     std::vector<CandidateEffect> effects = all_effects();
