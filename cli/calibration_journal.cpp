@@ -24,6 +24,7 @@ std::string line_of(const CalibrationEvaluation& e) {
     json["floor"] = e.result.floor;
     json["loss_at"] = e.result.loss_at;
     json["floor_at"] = e.result.floor_at;
+    json["log_loss"] = e.result.log_loss;
     return json.dump();
 }
 
@@ -40,6 +41,7 @@ CalibrationEvaluation evaluation_of(const Json& json) {
     json.at("floor").get_to(e.result.floor);
     json.at("loss_at").get_to(e.result.loss_at);
     json.at("floor_at").get_to(e.result.floor_at);
+    json.at("log_loss").get_to(e.result.log_loss);
     return e;
 }
 

@@ -80,6 +80,8 @@ Json answer_json(const DiagnoseStudy& study, const AnswerFit& a, const AnsweredE
         if (const auto share = removable_gap_closed(study, a)) json["removable_gap_closed"] = *share;
         if (const auto gain = held_out_gain(study, a))
             json["held_out_gain"] = {{"mean", gain->mean}, {"standard_error", gain->error}};
+        if (const auto gain = held_out_log_gain(study, a))
+            json["held_out_log_gain"] = {{"mean", gain->mean}, {"standard_error", gain->error}};
         if (!a.model.result.places.empty()) json["places"] = Json::parse(places_json(a.model.result));
     }
     for (std::size_t k = 0; k < study.before.observables.size() && k < a.study.observables.size(); ++k) {

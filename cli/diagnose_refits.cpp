@@ -13,7 +13,7 @@ namespace scree::cli {
 /// A gap over all so many times the largest of 95 % of chance is far beyond it [-].
 constexpr double kFarBeyond = 2.0;
 
-/// Standard errors by which blocks held out must be predicted better with a name: 5 of 100 names that add nothing pass, if they were drawn blindly [-].
+/// Standard errors by which blocks held out must be more likely with a name: 5 of 100 names that add nothing pass, if they were drawn blindly [-].
 constexpr double kGainErrors = 1.645;
 
 bool is_far_beyond(const CompareStudy& study) {
@@ -57,11 +57,11 @@ void judge_refits(DiagnoseStudy& study) {
                       (answers.front().loss_of_one < without ? "with one of them alone" : "without"));
     std::stable_partition(answers.begin(), answers.end(), better);
     if (study.verdict == Verdict::Group) return;  // no name is said
-    const std::optional<HeldOutGain> gain = held_out_gain(study, answers.front());
+    const std::optional<HeldOutGain> gain = held_out_log_gain(study, answers.front());
     if (gain && gain->mean <= kGainErrors * gain->error)
-        demote("blocks held out are predicted better with " + answers.front().name() +
-               ", which comes nearest, but by no more than chance can do (" + short_number(gain->mean) + " +- " +
-               short_number(gain->error) + ")");
+        demote("with " + answers.front().name() +
+               ", which comes nearest, blocks held out are more likely by no more than chance can do (logarithm: " +
+               short_number(gain->mean) + " +- " + short_number(gain->error) + ")");
 }
 
 std::optional<double> removable_gap_closed(const DiagnoseStudy& study, const AnswerFit& answer) {
@@ -70,14 +70,22 @@ std::optional<double> removable_gap_closed(const DiagnoseStudy& study, const Ans
     return (without.loss - with.loss) / (without.loss - with.floor);
 }
 
-std::optional<HeldOutGain> held_out_gain(const DiagnoseStudy& study, const AnswerFit& answer) {
-    const std::vector<double>&without = study.baseline.result.held_out_losses,
-          &with = answer.model.result.held_out_losses;
+static std::optional<HeldOutGain> gain_of(const std::vector<double>& without, const std::vector<double>& with) {
     if (without.size() < 2 || with.size() != without.size()) return std::nullopt;
     std::vector<double> gains;
-    for (std::size_t k = 0; k < without.size(); ++k) gains.push_back(without[k] - with[k]);
+    for (std::size_t k = 0; k < without.size(); ++k)
+        if (const double gain = without[k] - with[k]; std::isfinite(gain)) gains.push_back(gain);
+    if (gains.size() < 2) return std::nullopt;
     const SampleSummary gain = summary_of(gains);
     return HeldOutGain{gain.mean, gain.deviation / std::sqrt(static_cast<double>(gains.size()))};
+}
+
+std::optional<HeldOutGain> held_out_gain(const DiagnoseStudy& study, const AnswerFit& answer) {
+    return gain_of(study.baseline.result.held_out_losses, answer.model.result.held_out_losses);
+}
+
+std::optional<HeldOutGain> held_out_log_gain(const DiagnoseStudy& study, const AnswerFit& answer) {
+    return gain_of(study.baseline.result.held_out_log_losses, answer.model.result.held_out_log_losses);
 }
 
 }  // namespace scree::cli

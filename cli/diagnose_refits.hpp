@@ -25,5 +25,7 @@ struct HeldOutGain {
 };
 /// Nothing where there are no folds.
 std::optional<HeldOutGain> held_out_gain(const DiagnoseStudy& study, const AnswerFit& answer);
+/// By how much the logarithm of its likelihood is higher. It decides: energy scores hardly see a scatter that is wrong.
+std::optional<HeldOutGain> held_out_log_gain(const DiagnoseStudy& study, const AnswerFit& answer);
 
 }  // namespace scree::cli

@@ -84,10 +84,11 @@ std::vector<std::string> held_out_sentences(const DiagnoseStudy& study, const An
     if (const auto share = removable_gap_closed(study, answer))
         sentences.push_back((*share > 0.0 ? "closes " : "widens by ") +
                             short_number(100.0 * std::min(1.0, std::abs(*share))) + " % of the removable held-out gap");
-    if (const auto gain = held_out_gain(study, answer))
-        sentences.push_back("a block held out loses " + short_number(std::abs(gain->mean)) + " +- " +
-                            short_number(gain->error) + (gain->mean < 0.0 ? " more with " : " less with ") +
-                            answer.name() + " (mean and standard error)");
+    if (const auto gain = held_out_log_gain(study, answer))
+        sentences.push_back("a block held out is " + std::string(gain->mean < 0.0 ? "less" : "more") + " likely with " +
+                            answer.name() + ", the logarithm of its likelihood " +
+                            (gain->mean < 0.0 ? "lower" : "higher") + " by " + short_number(std::abs(gain->mean)) +
+                            " +- " + short_number(gain->error) + " (mean and standard error)");
     return sentences;
 }
 

@@ -42,7 +42,7 @@ std::string strength_text(const AnsweredEffect& e);
 Interval middle_interval(const AnsweredEffect& e);
 /// Gap of what is fitted on blocks held out, "-" without folds.
 std::string held_out_text(const CalibratedModel& m);
-/// "closes 80 % of the removable gap of blocks held out", "a block held out loses 0.12 +- 0.03 less with ground_drag"; as far as there are any.
+/// "closes 80 % of the removable gap of blocks held out", "a block held out is more likely with ground_drag, the logarithm of its likelihood higher by 0.4 +- 0.1"; as far as there are any.
 std::vector<std::string> held_out_sentences(const DiagnoseStudy& study, const AnswerFit& answer);
 /// Free parameters and choices as given, calibrated, told where no answer stands, and with every answer; under a row of heads.
 std::vector<std::vector<std::string>> parameter_rows(const DiagnoseStudy& study);

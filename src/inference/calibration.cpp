@@ -98,6 +98,7 @@ private:
             SCREE_ASSERT(result->loss.size() == result->floor.size());
             SCREE_ASSERT(result->loss.empty() || result->loss.size() == problem_.records);
             SCREE_ASSERT(result->loss.empty() || result->loss_at.size() == problem_.places.size());
+            SCREE_ASSERT(result->log_loss.empty() || result->log_loss.size() == problem_.records);
             journal_.push_back({task, std::move(*result)});
         }
         const SimulatedLoss& loss = journal_[done_++].result;
@@ -488,6 +489,7 @@ private:
         for (std::size_t k = shuffled.size(); k > 1; --k) std::swap(shuffled[k - 1], shuffled[random.below(k)]);
         result_.held_out = result_.held_out_start = {0.0, 0.0};
         result_.held_out_losses.assign(problem_.records, kNaN);
+        result_.held_out_log_losses.assign(problem_.records, kNaN);
         std::vector<double> floors(problem_.records, kNaN);
         for (std::size_t f = 0; f < plan_.folds; ++f) {
             CalibrationFold fold;
@@ -508,6 +510,7 @@ private:
                     for (const std::size_t k : fold.held_out) {
                         result_.held_out_losses[k] = result.loss.empty() ? kNaN : result.loss[k];
                         floors[k] = result.loss.empty() ? kNaN : result.floor[k];
+                        result_.held_out_log_losses[k] = result.log_loss.empty() ? kNaN : result.log_loss[k];
                     }
                     for (std::size_t p = 0; p < at_places.size(); ++p) at_places[p] = fit_of(at_place(result, p), test);
                 });

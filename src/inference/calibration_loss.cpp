@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <numbers>
 
 namespace scree {
 
@@ -37,6 +38,49 @@ double mean_distance(const PointSample& points) {
         for (std::size_t l = 0; l < k; ++l) sum += point_distance(points[k], points[l]);
     return 2.0 * sum / (n * (n - 1.0));
 }
+
+/// Repeats that are all alike are believed to scatter by this share of the yardstick of what was measured, all the same [-].
+constexpr double kLeastSpread = 0.05;
+constexpr double kNoSpread = 1e-6;  // where all that was measured is alike, too [unit of the values]
+
+/// What members say of one more of them, column by column: of numbers Student's distribution, as if they were normal with unknown mean and variance; of shares
+/// the share itself, half a member added on either side.
+class Likelihood {
+public:
+    Likelihood(const PointSample& members, bool share, const std::vector<double>& least_spread)
+        : share_(share), n_(static_cast<double>(members.size())) {
+        for (std::size_t c = 0; c < members.dimension; ++c) {
+            double sum = 0.0, squares = 0.0;
+            for (std::size_t m = 0; m < members.size(); ++m) sum += members[m][c];
+            const double mean = sum / n_;
+            for (std::size_t m = 0; m < members.size(); ++m) squares += (members[m][c] - mean) * (members[m][c] - mean);
+            const double deviation = std::max(std::sqrt(squares / (n_ - 1.0)), least_spread[c]);
+            mean_.push_back(share ? (sum + 0.5) / (n_ + 1.0) : mean);
+            scale_.push_back(deviation * std::sqrt(1.0 + 1.0 / n_));
+        }
+    }
+    /// Minus the logarithm of the likelihood.
+    double loss(std::span<const double> observation) const {
+        const double freedom = n_ - 1.0;
+        double loss = 0.0;
+        for (std::size_t c = 0; c < observation.size(); ++c) {
+            if (share_) {
+                loss -= std::log(observation[c] > 0.5 ? mean_[c] : 1.0 - mean_[c]);
+                continue;
+            }
+            const double z = (observation[c] - mean_[c]) / scale_[c];
+            loss += std::lgamma(0.5 * freedom) - std::lgamma(0.5 * (freedom + 1.0)) +
+                    0.5 * std::log(freedom * std::numbers::pi) + std::log(scale_[c]) +
+                    0.5 * (freedom + 1.0) * std::log1p(z * z / freedom);
+        }
+        return loss;
+    }
+
+private:
+    bool share_;
+    double n_;
+    std::vector<double> mean_, scale_;
+};
 
 /// Energy scores against members whose mean distance is known once for all observations.
 class Forecast {
@@ -103,6 +147,11 @@ CalibrationLoss::CalibrationLoss(GapFunction function) : function_(std::move(fun
         part.observable = observable;
         const double length = observable.counts.empty() ? add_rows(part) : add_counts(part);
         if (part.records.size() < 2 || !(length > 0.0)) continue;
+        for (std::size_t c = 0; c < part.points.front().size(); ++c) {
+            std::vector<double> column;
+            for (const std::vector<double>& point : part.points) column.push_back(point[c]);
+            part.least_spread.push_back(std::max(kLeastSpread * 0.5 * mean_difference(column), kNoSpread));
+        }
         yardsticks.push_back(length);
         const std::string place = place_of(observable, function_.op());
         part.place = static_cast<std::size_t>(std::find(places_.begin(), places_.end(), place) - places_.begin());
@@ -186,21 +235,25 @@ bool CalibrationLoss::add_scores(const Part& part, const ObservationTable& simul
         own.dimension = o.columns.size();
         append(own, point);
     }
-    std::map<std::int32_t, Forecast> forecasts;
+    std::map<std::int32_t, std::pair<Forecast, Likelihood>> forecasts;
     for (std::size_t k = 0; k < part.records.size(); ++k) {
         const std::int32_t block = o.matched ? function_.measured().block[part.records[k]] : -1;
         auto forecast = forecasts.find(block);
         if (forecast == forecasts.end()) {
             const auto own = members.find(block);
             if (own == members.end() || own->second.size() < kLeastRepeats) return false;
-            forecast = forecasts.try_emplace(block, own->second, o.share).first;
+            forecast = forecasts
+                           .try_emplace(block, Forecast(own->second, o.share),
+                                        Likelihood(own->second, o.share, part.least_spread))
+                           .first;
         }
-        const Score score = forecast->second.score(part.points[k]);
+        const Score score = forecast->second.first.score(part.points[k]);
         const std::size_t record = part.records[k];
         loss.loss[record] += part.weight * score.score;
         loss.floor[record] += part.weight * score.floor;
         loss.loss_at[part.place][record] += part.weight * score.score;
         loss.floor_at[part.place][record] += part.weight * score.floor;
+        loss.log_loss[record] += forecast->second.second.loss(part.points[k]);
     }
     return true;
 }
@@ -209,7 +262,7 @@ SimulatedLoss CalibrationLoss::operator()(const CampaignResult& campaign, std::u
     const ObservationTable simulated = function_.simulated(campaign, seed);
     const std::vector<double> none(records_, 0.0);
     const std::vector<std::vector<double>> none_at(places_.size(), none);
-    SimulatedLoss loss{none, none, none_at, none_at};
+    SimulatedLoss loss{none, none, none_at, none_at, none};
     for (const Part& part : parts_)
         if (!add_scores(part, simulated, loss)) return {};
     return loss;

@@ -81,15 +81,15 @@ TEST(DiagnoseRefits, ByMoreThanChance) {
     const auto judged = [&](std::vector<double> gains, Verdict verdict) {
         DiagnoseStudy study = study_of({fit});
         study.verdict = verdict;
-        study.baseline.result.held_out_losses.assign(gains.size(), 1.0);
-        for (const double gain : gains) study.answers[0].model.result.held_out_losses.push_back(1.0 - gain);
+        study.baseline.result.held_out_log_losses.assign(gains.size(), 1.0);
+        for (const double gain : gains) study.answers[0].model.result.held_out_log_losses.push_back(1.0 - gain);
         judge_refits(study);
         return study;
     };
     EXPECT_EQ(judged({0.1, 0.2, 0.1, 0.2}, Verdict::Named).verdict, Verdict::Named);
     const DiagnoseStudy doubtful = judged({-0.5, 0.7, -0.4, 0.8}, Verdict::Named);  // 0.15 +- 0.35
     EXPECT_EQ(doubtful.verdict, Verdict::Unknown);
-    EXPECT_THAT(doubtful.demoted, HasSubstr("no more than chance can do (0.15 +- 0.3"));
+    EXPECT_THAT(doubtful.demoted, HasSubstr("no more than chance can do (logarithm: 0.15 +- 0.3"));
     EXPECT_EQ(judged({-0.5, 0.7, -0.4, 0.8}, Verdict::DataProblem).verdict, Verdict::Unknown);
     EXPECT_EQ(judged({-0.5, 0.7, -0.4, 0.8}, Verdict::Group).verdict, Verdict::Group) << "no name is said";
 }
@@ -180,6 +180,13 @@ TEST(DiagnoseRefits, TheGainOfBlocksHeldOutHasAnError) {
     ASSERT_TRUE(gain);
     EXPECT_NEAR(gain->mean, 1.0, 1e-12);
     EXPECT_NEAR(gain->error, std::sqrt(2.0 / 3.0 / 4.0), 1e-12);
+    EXPECT_FALSE(held_out_log_gain(study, fit));
+    study.baseline.result.held_out_log_losses = {3.0, kNaN, 5.0, 7.0};
+    fit.model.result.held_out_log_losses = {2.0, 1.0, 3.0, kNaN};  // 1 and 2 less where both are known
+    const auto likelier = held_out_log_gain(study, fit);
+    ASSERT_TRUE(likelier);
+    EXPECT_NEAR(likelier->mean, 1.5, 1e-12);
+    EXPECT_NEAR(likelier->error, 0.5, 1e-12);
 }
 
 TEST(DiagnoseRefits, WithoutFoldsNoShareIsClosed) {

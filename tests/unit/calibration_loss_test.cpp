@@ -118,6 +118,51 @@ TEST(CalibrationLoss, IsOneGapIfNothingDiffersAndLeastAtTheTruth) {
     }
 }
 
+// Proper as well, and sharper: a model that scatters half or twice as much as it should loses surely more on the same blocks.
+TEST(CalibrationLoss, TheLogarithmicScoreSeesAWrongScatter) {
+    for (const bool matched : {true, false}) {
+        const CalibrationLoss loss(GapFunction(test_of(matched), test_operator()));
+        const std::vector<double> at_truth = loss(campaign_of(0.0, 40), 1).log_loss;
+        ASSERT_EQ(at_truth.size(), loss.records());
+        EXPECT_GT(mean(loss(campaign_of(6.0, 40), 1).log_loss), mean(at_truth));
+        for (const double spread : {0.5, 2.0})
+            EXPECT_GT(mean(loss(campaign_of(0.0, 40, 3, spread), 1).log_loss), mean(at_truth) + 0.1) << spread;
+        for (const double l : loss(campaign_of(0.0, 40, 3, 0.0), 1).log_loss)
+            EXPECT_TRUE(std::isfinite(l)) << "repeats that are all alike";
+    }
+}
+
+// One more of normal numbers has Student's distribution; of shares half a member is added on either side.
+TEST(CalibrationLoss, TheLogarithmicScoreIsThatOfOneMoreMember) {
+    Observations o;
+    o.matched = true;
+    CampaignResult campaign;
+    const std::vector<double> stops{3.0, 7.0}, simulated{1.0, 4.0, 4.0};  // mean 3, variance 3
+    for (std::size_t b = 0; b < stops.size(); ++b) {
+        o.blocks.push_back({std::to_string(b), 100.0, {1, 1, 1}, {kNaN, kNaN}});
+        ObservedStop stop;
+        stop.block = static_cast<std::int32_t>(b);
+        stop.position = {stops[b], 0.0, 0.0};
+        o.stops.push_back(stop);
+    }
+    for (const double x : simulated)
+        for (std::size_t b = 0; b < stops.size(); ++b) {
+            BlockResult block;
+            block.done = true;
+            block.reason = StopReason::AtRest;
+            block.stop = {x, 0.0, 0.0};
+            campaign.blocks.push_back(block);
+        }
+    campaign.released = static_cast<std::int64_t>(campaign.blocks.size());
+    ObservationOperator op;
+    op.lateral = false;
+    const std::vector<double> log_loss = CalibrationLoss(GapFunction(o, op))(campaign, 1).log_loss;
+    ASSERT_EQ(log_loss.size(), 2U);
+    // t with 2 degrees of freedom has the density 1 / (2 sqrt 2 (1 + z^2 / 2)^1.5); the scale is sqrt(3 (1 + 1/3)) = 2
+    EXPECT_NEAR(log_loss[0], std::log(2.0 * std::sqrt(2.0) * 2.0), 1e-12);
+    EXPECT_NEAR(log_loss[1] - log_loss[0], 1.5 * std::log(1.0 + 0.5 * 4.0), 1e-12);
+}
+
 TEST(CalibrationLoss, OfAPoolDiffersFromItsEnergyDistanceByAConstant) {
     Observations stops = test_of(false);
     stops.crossings.clear();

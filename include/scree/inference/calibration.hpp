@@ -88,6 +88,8 @@ struct SimulatedLoss {
     std::vector<double> floor;  ///< loss of one more repeat in its place [-]
     /// What of both belongs to each place of the problem, a vector over the records per place [-].
     std::vector<std::vector<double>> loss_at = {}, floor_at = {};
+    /// Logarithmic score per record, for what is decided and not searched; empty where nobody asks [-].
+    std::vector<double> log_loss = {};
 };
 /// Runs a simulation. The same task must give the same result. Nothing: it was stopped, and so is the calibration.
 using LossFunction = std::function<std::optional<SimulatedLoss>(const CalibrationTask&)>;
@@ -190,8 +192,9 @@ struct CalibrationResult {
     CalibrationFit start_fit, best_fit;  ///< of all records, same random numbers
     std::vector<CalibrationFold> folds;
     CalibrationFit held_out, held_out_start;  ///< over all folds
-    std::vector<double> held_out_losses;   ///< of every record, by the fold that left it out; empty without folds [-]
-    std::vector<CalibrationPlace> places;  ///< then paths; empty if there is one only, or no cross-validation
+    std::vector<double> held_out_losses;  ///< of every record, by the fold that left it out; empty without folds [-]
+    std::vector<double> held_out_log_losses;  ///< the same by the logarithmic score; NaN where that is not known [-]
+    std::vector<CalibrationPlace> places;     ///< then paths; empty if there is one only, or no cross-validation
     std::vector<std::vector<double>>
         draws;  ///< plausible parameter values, for pictures and predictions: per draw one per parameter [*]
 

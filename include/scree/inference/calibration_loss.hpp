@@ -40,6 +40,7 @@ private:
         double weight = 0.0;                      ///< of its scores in the loss of a record [1 / unit of the values]
         std::vector<std::size_t> records;         ///< with a value of it [-]
         std::vector<std::vector<double>> points;  ///< their values [unit of the values]
+        std::vector<double> least_spread;         ///< that simulations are believed to have, per column [as above]
     };
     /// Fill records and points of a part, and return its yardstick.
     double add_rows(Part& part) const;
