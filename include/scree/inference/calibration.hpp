@@ -88,8 +88,7 @@ struct SimulatedLoss {
     std::vector<double> floor;  ///< loss of one more repeat in its place [-]
     /// What of both belongs to each place of the problem, a vector over the records per place [-].
     std::vector<std::vector<double>> loss_at = {}, floor_at = {};
-    /// Logarithmic score per record, for what is decided and not searched; empty where nobody asks [-].
-    std::vector<double> log_loss = {};
+    std::vector<double> log_loss = {};  ///< logarithmic score per record, for decisions; empty: not asked for [-]
 };
 /// Runs a simulation. The same task must give the same result. Nothing: it was stopped, and so is the calibration.
 using LossFunction = std::function<std::optional<SimulatedLoss>(const CalibrationTask&)>;
