@@ -96,9 +96,7 @@ ExitCode run_calibrate(const Context& context) {
         throw InputError(
             "the measurements hold nothing that a simulation could be fitted to: stops, crossings of screens or shares "
             "of at least two blocks");
-    report.keys.problem.records = loss.records();
-    report.keys.problem.places = loss.places();
-    report.keys.problem.paths = loss.paths();
+    loss.describe(report.keys.problem);
     report.observables = loss.observables();
     report.settings = site.settings.calibration.search;
     report.settings.seed = static_cast<std::uint64_t>(site.settings.seed);

@@ -129,9 +129,7 @@ CalibratedModel DiagnosedModels::calibrated(const std::string& name, const std::
             {"strength of " + e.candidate->name, range.low, range.high, e.finding.strength, false});
     }
     const CalibrationLoss loss(GapFunction(in_.observed.observations, in_.observed.op));
-    problem.records = loss.records();
-    problem.places = loss.places();
-    problem.paths = loss.paths();
+    loss.describe(problem);
     std::error_code ignored;
     std::filesystem::create_directories(in_.store.folder(), ignored);
     const auto file = in_.store.file(name + ".jsonl");

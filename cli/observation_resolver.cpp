@@ -95,6 +95,7 @@ public:
         add_impacts();
         add_shares();
         add_releases();
+        name_paths();
         decide_matching();
         decide_thrown();
         sort_pools();
@@ -245,7 +246,6 @@ private:
                 beside.insert(r.body.id);
             }
         }
-        name_paths();
         if (!off.empty())
             find(Severity::Error, "release_off_terrain",
                  std::to_string(off.size()) + " release points lie off the DTM or over a hole in it (" + listed(off) +
@@ -277,15 +277,13 @@ private:
 
     void name_paths() {
         Observations& o = result_.observations;
-        std::map<std::int64_t, std::int32_t> paths;  // by their numbers
-        for (const ObservedBlock& block : o.blocks)
-            if (const std::int64_t number = path_of(block); number >= 0) paths[number] = -1;
-        for (auto& [number, path] : paths) {
-            path = static_cast<std::int32_t>(o.paths.size());
+        std::map<std::int64_t, std::vector<ObservedBlock*>> paths;  // by their numbers
+        for (ObservedBlock& block : o.blocks)
+            if (const std::int64_t number = path_of(block); number >= 0) paths[number].push_back(&block);
+        for (const auto& [number, blocks] : paths) {
+            for (ObservedBlock* const block : blocks) block->path = static_cast<std::int32_t>(o.paths.size());
             o.paths.push_back((model_.in_plane() ? "profile " : "release feature ") + std::to_string(number));
         }
-        for (ObservedBlock& block : o.blocks)
-            if (const auto path = paths.find(path_of(block)); path != paths.end()) block.path = path->second;
     }
 
     void decide_matching() {

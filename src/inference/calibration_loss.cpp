@@ -54,14 +54,16 @@ public:
             for (std::size_t m = 0; m < members.size(); ++m) sum += members[m][c];
             const double mean = sum / n_;
             for (std::size_t m = 0; m < members.size(); ++m) squares += (members[m][c] - mean) * (members[m][c] - mean);
-            const double deviation = std::max(std::sqrt(squares / (n_ - 1.0)), least_spread[c]);
+            const double deviation = std::max(std::sqrt(squares / (n_ - 1.0)), least_spread[c]),
+                         scale = deviation * std::sqrt(1.0 + 1.0 / n_), freedom = n_ - 1.0;
             mean_.push_back(share ? (sum + 0.5) / (n_ + 1.0) : mean);
-            scale_.push_back(deviation * std::sqrt(1.0 + 1.0 / n_));
+            scale_.push_back(scale);
+            at_mean_.push_back(std::lgamma(0.5 * freedom) - std::lgamma(0.5 * (freedom + 1.0)) +
+                               0.5 * std::log(freedom * std::numbers::pi) + std::log(scale));
         }
     }
     /// Minus the logarithm of the likelihood.
     double loss(std::span<const double> observation) const {
-        const double freedom = n_ - 1.0;
         double loss = 0.0;
         for (std::size_t c = 0; c < observation.size(); ++c) {
             if (share_) {
@@ -69,9 +71,7 @@ public:
                 continue;
             }
             const double z = (observation[c] - mean_[c]) / scale_[c];
-            loss += std::lgamma(0.5 * freedom) - std::lgamma(0.5 * (freedom + 1.0)) +
-                    0.5 * std::log(freedom * std::numbers::pi) + std::log(scale_[c]) +
-                    0.5 * (freedom + 1.0) * std::log1p(z * z / freedom);
+            loss += at_mean_[c] + 0.5 * n_ * std::log1p(z * z / (n_ - 1.0));
         }
         return loss;
     }
@@ -79,7 +79,7 @@ public:
 private:
     bool share_;
     double n_;
-    std::vector<double> mean_, scale_;
+    std::vector<double> mean_, scale_, at_mean_;  ///< per column; the loss at the mean
 };
 
 /// Energy scores against members whose mean distance is known once for all observations.
@@ -214,6 +214,12 @@ std::vector<CalibrationPath> CalibrationLoss::paths() const {
     }
     std::erase_if(paths, [](const CalibrationPath& path) { return path.records.size() < kLeastOnPath; });
     return paths;
+}
+
+void CalibrationLoss::describe(CalibrationProblem& problem) const {
+    problem.records = records();
+    problem.places = places();
+    problem.paths = paths();
 }
 
 std::vector<std::string> CalibrationLoss::observables() const {

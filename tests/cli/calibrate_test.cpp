@@ -11,6 +11,9 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
+#include <map>
+#include <set>
+
 namespace scree::test {
 namespace {
 
@@ -67,6 +70,24 @@ TEST(Calibrate, KnowsTheMeasuredBlocksOfASiteWithoutAList) {
     for (const PointRow& stop : stops) ids.insert(stop.values.at("block_id"));
     EXPECT_EQ(ids.size(), static_cast<std::size_t>(kMeasured));
     EXPECT_FALSE(ids.contains(""));
+}
+
+// Where blocks went down several paths each is left out once, beside the places.
+TEST(Calibrate, PredictsEveryPathFromTheOthers) {
+    const TempDir folder;
+    put_two_releases(folder / "two.geojson");
+    const std::string release = "release.file=" + (folder / "two.geojson").string();
+    ASSERT_EQ(run_quarry_a(folder / "field",
+                           {"--set", "release.count=30", "--seed", "2", "--set", "model.dimension=2", "--set", release})
+                  .code,
+              0);
+    const Outcome run = calibrate(folder / "field", folder / "out", {"--set", release});
+    ASSERT_EQ(run.code, 0) << run.err;
+    std::map<std::string, json> left;
+    const json report = json::parse(text_of(folder / "out" / "calibrate.json"));
+    for (const json& place : report.at("places")) left[place.at("place")] = place.at("left_out");
+    ASSERT_EQ(left.count("profile 1") + left.count("profile 2"), 2U);
+    for (const char* path : {"profile 1", "profile 2"}) EXPECT_GT(left[path].at("gap").get<double>(), 0.3) << path;
 }
 
 TEST(Calibrate, FindsTheGroundOfTheFieldTestAndWritesASiteFileThatHasIt) {

@@ -163,16 +163,7 @@ TEST(ObservedSite, BlocksStartWhereTheyWereLetGo) {
 TEST(ObservedSite, PathsBeginWhereBlocksWereLetGo) {
     const test::TempDir folder;
     const std::string file = test::quarry_with(folder.path(), "");
-    const auto square = [](int west, int south) {
-        const auto corner = [](int x, int y) { return "[" + std::to_string(x) + "," + std::to_string(y) + "]"; };
-        return "{\"type\":\"Feature\",\"properties\":{},\"geometry\":{\"type\":\"Polygon\",\"coordinates\":[[" +
-               corner(west, south) + "," + corner(west + 2, south) + "," + corner(west + 2, south + 2) + "," +
-               corner(west, south + 2) + "," + corner(west, south) + "]]}}";
-    };
-    test::put(folder / "two.geojson",
-              "{\"type\":\"FeatureCollection\",\"crs\":{\"type\":\"name\",\"properties\":{\"name\":"
-              "\"urn:ogc:def:crs:EPSG::2154\"}},\"features\":[" +
-                  square(890020, 6670036) + "," + square(890020, 6670052) + "]}");
+    test::put_two_releases(folder / "two.geojson");
     for (const std::string dimension : {"2", "3"}) {
         const std::vector<std::string> changes{"release.file=two.geojson", "model.dimension=" + dimension};
         const std::string field = (folder / ("field" + dimension)).string();

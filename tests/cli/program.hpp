@@ -49,6 +49,19 @@ inline std::string quarry_with(const std::filesystem::path& folder, const std::s
     return (folder / "site.toml").string();
 }
 
+/// Two release polygons of 2 m on the upper slope of quarry_a, 16 m apart.
+inline void put_two_releases(const std::filesystem::path& file) {
+    const auto square = [](int west, int south) {
+        const auto corner = [](int x, int y) { return "[" + std::to_string(x) + "," + std::to_string(y) + "]"; };
+        return R"({"type":"Feature","properties":{},"geometry":{"type":"Polygon","coordinates":[[)" +
+               corner(west, south) + "," + corner(west + 2, south) + "," + corner(west + 2, south + 2) + "," +
+               corner(west, south + 2) + "," + corner(west, south) + "]]}}";
+    };
+    put(file, R"({"type":"FeatureCollection","crs":{"type":"name","properties":{"name":"urn:ogc:def:crs:EPSG::2154"}},)"
+              R"("features":[)" +
+                  square(890020, 6670036) + "," + square(890020, 6670052) + "]}");
+}
+
 /// `scree run` of quarry_a with 20 blocks into a folder, with more options.
 inline Outcome run_quarry_a(const std::filesystem::path& output, const std::vector<std::string>& more = {}) {
     std::vector<std::string> args{

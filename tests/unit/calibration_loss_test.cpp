@@ -7,6 +7,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <numeric>
 
@@ -132,7 +133,7 @@ TEST(CalibrationLoss, TheLogarithmicScoreSeesAWrongScatter) {
     }
 }
 
-// One more of normal numbers has Student's distribution; of shares half a member is added on either side.
+// One more of normal numbers has Student's distribution.
 TEST(CalibrationLoss, TheLogarithmicScoreIsThatOfOneMoreMember) {
     Observations o;
     o.matched = true;
@@ -161,6 +162,32 @@ TEST(CalibrationLoss, TheLogarithmicScoreIsThatOfOneMoreMember) {
     // t with 2 degrees of freedom has the density 1 / (2 sqrt 2 (1 + z^2 / 2)^1.5); the scale is sqrt(3 (1 + 1/3)) = 2
     EXPECT_NEAR(log_loss[0], std::log(2.0 * std::sqrt(2.0) * 2.0), 1e-12);
     EXPECT_NEAR(log_loss[1] - log_loss[0], 1.5 * std::log(1.0 + 0.5 * 4.0), 1e-12);
+}
+
+// Of shares half a member is added on either side: what none of the simulated blocks did is not impossible.
+TEST(CalibrationLoss, TheLogarithmicScoreOfAShareIsNeverInfinite) {
+    Observations o;
+    o.thrown = 2;
+    o.shares.push_back({1, 0, 1, 2});  // one of two blocks in the zone
+    ObservationOperator op;
+    op.zones = {"zone"};
+    op.zone_areas.emplace_back(0, Region({Polygon{{{0, -1}, {10, -1}, {10, 1}, {0, 1}}, {}}}));
+    const auto log_loss = [&](double stop_of_first) {
+        CampaignResult campaign;
+        for (const double x : {stop_of_first, 20.0, 20.0, 20.0}) {
+            BlockResult block;
+            block.done = true;
+            block.reason = StopReason::AtRest;
+            block.stop = {x, 0.0, 0.0};
+            campaign.blocks.push_back(block);
+        }
+        campaign.released = 4;
+        std::vector<double> losses = CalibrationLoss(GapFunction(o, op))(campaign, 1).log_loss;
+        std::sort(losses.begin(), losses.end());
+        return losses;
+    };
+    EXPECT_THAT(log_loss(5.0), ::testing::Pointwise(::testing::DoubleNear(1e-12), {-std::log(0.7), -std::log(0.3)}));
+    EXPECT_THAT(log_loss(20.0), ::testing::Pointwise(::testing::DoubleNear(1e-12), {-std::log(0.9), -std::log(0.1)}));
 }
 
 TEST(CalibrationLoss, OfAPoolDiffersFromItsEnergyDistanceByAConstant) {

@@ -27,6 +27,8 @@ public:
     const std::vector<std::string>& places() const { return places_; }
     /// Records of the known blocks of each path; paths of fewer than kLeastOnPath are left away.
     std::vector<CalibrationPath> paths() const;
+    /// Tells a problem its records, places and paths.
+    void describe(CalibrationProblem& problem) const;
     /// Names of the observables that are minimised.
     std::vector<std::string> observables() const;
     /// Empty where a measured block has fewer than kLeastRepeats simulated values: losses over different blocks cannot be compared. `seed` draws the errors of
