@@ -87,6 +87,32 @@ std::optional<double> scale_error(const OGRSpatialReference& projected, const Ve
     return worst;
 }
 
+// GDAL gives coordinates in the directions of the axes: where these are west and south, east is not to the right.
+void check_directions(const OGRSpatialReference& flat, const std::string& name, const std::string& place) {
+    int souths = 0;
+    bool west = false;
+    for (const int axis : {0, 1}) {
+        OGRAxisOrientation towards = OAO_Other;
+        if (!flat.GetAxis(nullptr, axis, &towards)) return;
+        west = west || towards == OAO_West;
+        souths += towards == OAO_South;  // of a polar map both are
+    }
+    if (!west && souths != 1) return;
+    throw InputError(
+        words(place, " has the CRS '", name,
+              "', whose axes point to the west or south, but eastings must grow to the east and northings "
+              "to the north; reproject it with gdalwarp -r bilinear -t_srs to a CRS that has such, UTM for "
+              "example."));
+}
+
+void check_heights_up(const OGRSpatialReference& crs, const std::string& place) {
+    OGRAxisOrientation towards = OAO_Up;
+    if (!crs.IsCompound() || !crs.GetAxis(nullptr, 2, &towards) || towards != OAO_Down) return;
+    throw InputError(words(place, " has depths, positive downwards, by its CRS '", crs_name(crs),
+                           "', but heights must grow upwards; turn them with gdal_calc.py -A in.tif --calc=-A "
+                           "--outfile=out.tif and assign a CRS of heights."));
+}
+
 void check_vertical_unit(const OGRSpatialReference& crs, const std::string& place) {
     if (!crs.IsCompound() && !crs.IsVertical()) return;
     const char* unit = nullptr;
@@ -162,12 +188,14 @@ HorizontalCrs metric_crs_or_throw(const OGRSpatialReference* crs, const Vec2& ce
             "make sure that its heights are in metres too."));
     }
     check_vertical_unit(*crs, place);
+    check_heights_up(*crs, place);
     if (!flat.IsProjected()) {
         warnings.push_back(words(place, " has a local CRS ('", known.name,
                                  "') that no other can be transformed to: vector files must be "
                                  "in the same one."));
         return known;
     }
+    check_directions(flat, known.name, place);
     const std::optional<double> error = scale_error(flat, centre);
     if (!error) {
         warnings.push_back(

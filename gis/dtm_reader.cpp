@@ -12,6 +12,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <filesystem>
 #include <limits>
 #include <numbers>
 #include <optional>
@@ -66,29 +67,41 @@ struct Placement {
     bool south_up = false;       // rows run from south to north
 };
 
-GDALRasterBand& single_band(GDALDataset& dataset, const std::string& file) {
+struct HeightBands {
+    GDALRasterBand* heights = nullptr;
+    GDALRasterBand* alpha = nullptr;  // 0 where there is no height; none if there is no such band
+};
+
+HeightBands height_bands(GDALDataset& dataset, const std::string& file) {
     const int bands = dataset.GetRasterCount();
     if (bands == 0) {
         std::string list;
         char** sub = dataset.GetMetadata("SUBDATASETS");
         for (int i = 1; const char* name = CSLFetchNameValue(sub, words("SUBDATASET_", i, "_NAME").c_str()); ++i) {
-            list += words(i > 1 ? ", " : "", "'", name, "'");
+            std::string from_anywhere = name;
+            if (const std::size_t at = from_anywhere.find(file); at != std::string::npos)
+                from_anywhere.replace(at, file.size(), std::filesystem::absolute(file).lexically_normal().string());
+            list += words(i > 1 ? ", " : "", "'", from_anywhere, "'");
         }
         refuse(file, list.empty() ? "has no raster band; name a raster of heights."
                                   : "holds several rasters; name one of them: " + list + ".");
     }
-    int alpha = 0;
-    for (int b = 1; b <= bands; ++b) alpha += dataset.GetRasterBand(b)->GetColorInterpretation() == GCI_AlphaBand;
-    if (bands - alpha != 1) {
+    HeightBands found;
+    int heights = 0;
+    for (int b = 1; b <= bands; ++b) {
+        GDALRasterBand* band = dataset.GetRasterBand(b);
+        const bool alpha = band->GetColorInterpretation() == GCI_AlphaBand;
+        (alpha ? found.alpha : found.heights) = band;
+        heights += !alpha;
+    }
+    if (heights == 0) refuse(file, "has an alpha band only; name a raster of heights.");
+    if (heights != 1) {
         refuse(file,
                words("has ", bands,
                      " bands, but a terrain model has one, of heights; is it a picture? If one band holds the heights, "
                      "take it out with gdal_translate -b 1 in.tif out.tif."));
     }
-    for (int b = 1; b <= bands; ++b) {
-        if (dataset.GetRasterBand(b)->GetColorInterpretation() != GCI_AlphaBand) return *dataset.GetRasterBand(b);
-    }
-    refuse(file, "has an alpha band only; name a raster of heights.");
+    return found;
 }
 
 void check_size(GDALDataset& dataset, const std::string& file, const DtmSettings& settings) {
@@ -175,7 +188,8 @@ void refuse_unlabelled_degrees(const Placement& p, int columns, int rows, const 
 // Values of the band as numbers: scale, offset, and all the ways to say "no value".
 class Decoder {
 public:
-    explicit Decoder(GDALRasterBand& band) : band_(band) {
+    explicit Decoder(const HeightBands& bands) : band_(*bands.heights), mask_(bands.alpha) {
+        GDALRasterBand& band = band_;
         int has = 0;
         scale_ = band.GetScale(&has);
         offset_ = band.GetOffset(&has);
@@ -195,7 +209,8 @@ public:
                 nodata_ = static_cast<double>(static_cast<float>(std::clamp(value, -kFloatMax, kFloatMax)));
             }
         }
-        masked_ = band.GetMaskFlags() != GMF_ALL_VALID;
+        // GDAL takes no alpha band of real numbers for a mask
+        if (!mask_ && band.GetMaskFlags() != GMF_ALL_VALID) mask_ = band.GetMaskBand();
     }
 
     bool scaled() const { return scale_ != 1 || offset_ != 0; }
@@ -211,16 +226,15 @@ public:
         if (band_.RasterIO(GF_Read, 0, first, columns, count, values.data(), columns, count, GDT_Float64, 0, 0,
                            nullptr) != CE_None)
             return false;
-        if (masked_) {
-            mask_.resize(values.size());
-            GDALRasterBand* mask = band_.GetMaskBand();
-            if (mask->RasterIO(GF_Read, 0, first, columns, count, mask_.data(), columns, count, GDT_Byte, 0, 0,
-                               nullptr) != CE_None)
+        if (mask_) {
+            visible_.resize(values.size());
+            if (mask_->RasterIO(GF_Read, 0, first, columns, count, visible_.data(), columns, count, GDT_Float32, 0, 0,
+                                nullptr) != CE_None)
                 return false;
         }
         const bool nan_is_tagged = nodata_ && std::isnan(*nodata_);
         for (std::size_t i = 0; i < values.size(); ++i) {
-            const bool hidden = masked_ && mask_[i] == 0;
+            const bool hidden = mask_ && !(visible_[i] > 0);
             if (!hidden && !nan_is_tagged && std::isnan(values[i])) ++untagged_nan_;
             values[i] = hidden || (nodata_ && values[i] == *nodata_) ? kNaN : values[i] * scale_ + offset_;
         }
@@ -231,9 +245,9 @@ private:
     GDALRasterBand& band_;
     double scale_ = 1, offset_ = 0;
     std::optional<double> nodata_;
-    bool masked_ = false;
+    GDALRasterBand* mask_;  // 0 where there is no height; none if all cells have one
     std::size_t untagged_nan_ = 0;
-    std::vector<std::uint8_t> mask_;
+    std::vector<float> visible_;
 };
 
 // What is learned about the heights while they are read.
@@ -399,7 +413,8 @@ void add_warnings(const HeightCensus& census, const Decoder& decoder, const Gdal
 Dtm read_dtm(const std::string& file, const DtmSettings& settings) {
     const GdalScope scope;
     const DatasetPtr dataset = open_dataset(file, DatasetKind::Raster, "terrain model", scope);
-    GDALRasterBand& band = single_band(*dataset, file);
+    const HeightBands bands = height_bands(*dataset, file);
+    GDALRasterBand& band = *bands.heights;
     check_size(*dataset, file, settings);
     if (GDALDataTypeIsComplex(band.GetRasterDataType())) {
         refuse(file, words("holds complex numbers (", GDALGetDataTypeName(band.GetRasterDataType()),
@@ -427,7 +442,7 @@ Dtm read_dtm(const std::string& file, const DtmSettings& settings) {
 
     // what it says
     probe_first_cell(band, file, scope);
-    Decoder decoder(band);
+    Decoder decoder(bands);
     const HeightCensus census = read_heights(decoder, place, file, settings, scope, dtm);
     check_heights(census, file, settings);
     dtm.report.cell_x = dtm.dx;

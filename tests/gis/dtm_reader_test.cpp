@@ -178,6 +178,36 @@ TEST(DtmReader, UnitsAndFramesThatWouldSilentlyBeWrongAreRefused) {
     EXPECT_THAT(error_of(none), HasSubstr("no georeference"));
 }
 
+// An alpha band hides cells whatever its type; GDAL itself looks at those of whole numbers only.
+TEST(DtmReader, AlphaBandsHideCells) {
+    for (const char* type : {"Float32", "Float64", "UInt16"}) {
+        RasterSpec spec;
+        spec.type = type;
+        spec.value = [](int c, int) { return c < 10 ? 0.0 : 1200.0 + c; };
+        spec.alpha = [](int c, int) { return c < 10 ? 0.0 : 1.0; };
+        const Dtm dtm = written_and_read(spec);
+        EXPECT_DOUBLE_EQ(dtm.report.valid_fraction, 0.75) << type;
+        EXPECT_TRUE(std::isnan(dtm.at(9, 0))) << type;
+        EXPECT_FALSE(std::isnan(dtm.at(10, 0))) << type;
+    }
+}
+
+TEST(DtmReader, AxesThatPointTheOtherWayAreRefused) {
+    RasterSpec spec;
+    spec.crs = "EPSG:2053";  // Hartebeesthoek94 / Lo29: westings and southings
+    spec.geotransform = {10000, 2, 0, 2900000, 0, -2};
+    EXPECT_THAT(error_of(spec), AllOf(HasSubstr("Lo29"), HasSubstr("west or south")));
+    spec.crs = "EPSG:5513";  // Krovak: southings and westings
+    EXPECT_THAT(error_of(spec), HasSubstr("west or south"));
+    RasterSpec depths;
+    depths.crs = "EPSG:2154+5831";
+    EXPECT_THAT(error_of(depths), HasSubstr("positive downwards"));
+    RasterSpec northings_first;
+    northings_first.crs = "EPSG:31467";  // Gauss-Krueger: northings come first, and grow to the north
+    northings_first.geotransform = {3500000, 2, 0, 5300000, 0, -2};
+    EXPECT_THAT(written_and_read(northings_first).report.crs_name, HasSubstr("31467"));
+}
+
 TEST(DtmReader, CompoundCrsIsReducedToItsHorizontalPart) {
     RasterSpec spec;
     spec.crs = "EPSG:2154+5720";

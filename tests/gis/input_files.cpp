@@ -26,8 +26,9 @@ struct Closer {
 void write_raster(const std::string& file, const RasterSpec& spec) {
     GDALAllRegister();
     GDALDriver* memory = GetGDALDriverManager()->GetDriverByName("MEM");
-    std::unique_ptr<GDALDataset, Closer> data(
-        memory->Create("", spec.columns, spec.rows, spec.bands, GDALGetDataTypeByName(spec.type.c_str()), nullptr));
+    std::unique_ptr<GDALDataset, Closer> data(memory->Create("", spec.columns, spec.rows,
+                                                             spec.bands + (spec.alpha ? 1 : 0),
+                                                             GDALGetDataTypeByName(spec.type.c_str()), nullptr));
     require(data != nullptr, "cannot create the raster");
     auto transform = spec.geotransform;
     data->SetGeoTransform(transform.data());
@@ -36,19 +37,27 @@ void write_raster(const std::string& file, const RasterSpec& spec) {
         require(crs.SetFromUserInput(spec.crs.c_str()) == OGRERR_NONE, "unknown CRS");
         data->SetSpatialRef(&crs);
     }
+    const auto fill = [&](GDALRasterBand* band, const std::function<double(int, int)>& value) {
+        std::vector<double> row(static_cast<std::size_t>(spec.columns));
+        for (int r = 0; r < spec.rows; ++r) {
+            for (int c = 0; c < spec.columns; ++c) row[static_cast<std::size_t>(c)] = value(c, r);
+            require(band->RasterIO(GF_Write, 0, r, spec.columns, 1, row.data(), spec.columns, 1, GDT_Float64, 0, 0,
+                                   nullptr) == CE_None,
+                    "cannot write pixels");
+        }
+    };
     for (int b = 1; b <= spec.bands; ++b) {
         GDALRasterBand* band = data->GetRasterBand(b);
         if (spec.nodata) band->SetNoDataValue(*spec.nodata);
         if (!spec.unit.empty()) band->SetUnitType(spec.unit.c_str());
         if (spec.scale != 1) band->SetScale(spec.scale);
         if (spec.offset != 0) band->SetOffset(spec.offset);
-        std::vector<double> row(static_cast<std::size_t>(spec.columns));
-        for (int r = 0; r < spec.rows; ++r) {
-            for (int c = 0; c < spec.columns; ++c) row[static_cast<std::size_t>(c)] = spec.value(c, r);
-            require(band->RasterIO(GF_Write, 0, r, spec.columns, 1, row.data(), spec.columns, 1, GDT_Float64, 0, 0,
-                                   nullptr) == CE_None,
-                    "cannot write pixels");
-        }
+        fill(band, spec.value);
+    }
+    if (spec.alpha) {
+        GDALRasterBand* band = data->GetRasterBand(spec.bands + 1);
+        band->SetColorInterpretation(GCI_AlphaBand);
+        fill(band, spec.alpha);
     }
     GDALDriver* driver = GetGDALDriverManager()->GetDriverByName(spec.driver.c_str());
     const std::unique_ptr<GDALDataset, Closer> out(

@@ -26,6 +26,8 @@ struct RasterSpec {
     double offset = 0.0;  ///< [m]
     /// Stored value of a cell by (column, row) of the file [m].
     std::function<double(int, int)> value = [](int c, int r) { return 1200.25 + 0.5 * c - 0.75 * r; };
+    /// Values of an alpha band after the others [-]; none: no such band.
+    std::function<double(int, int)> alpha;
 };
 void write_raster(const std::string& file, const RasterSpec& spec);
 
