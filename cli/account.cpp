@@ -77,11 +77,15 @@ std::vector<gis::ProvenanceEntry> provenance(const SiteFile& site, const SiteMod
 
 std::string settings_from(const SiteFile& site, const SiteSettings& settings, const fs::path& folder) {
     return settings_as_toml(settings, [&](const std::string& path) {
-        if (path == settings.output_directory || site.is_gdal_name(path)) return path;
-        const fs::path file = fs::absolute(site.resolve(path));
+        const std::optional<GdalName> name = site.gdal_name(path);
+        if (path == settings.output_directory || (name && name->path.empty())) return path;
+        const fs::path file = fs::absolute(site.beside(name ? name->path : path));
         std::error_code error;
-        const fs::path relative = fs::relative(file, fs::absolute(folder), error);  // the folder may not be there yet
-        return error || relative.empty() ? file.string() : relative.string();
+        // neither may be there yet; and a link is itself, with what stands beside it (.prj, .tfw), not what it leads to
+        const fs::path relative = (fs::weakly_canonical(file.parent_path(), error) / file.filename())
+                                      .lexically_relative(fs::weakly_canonical(fs::absolute(folder), error));
+        const std::string found = error || relative.empty() ? file.string() : relative.string();
+        return name ? name->with(found) : found;
     });
 }
 

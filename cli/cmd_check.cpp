@@ -81,6 +81,10 @@ void print_blocks(std::ostream& out, const SiteModel& m) {
             << " to " << fixed(large->size.x(), 2) << " m";
     }
     out << "; shape " << kBlockShapeNames[static_cast<std::size_t>(p.shape.shape)] << "\n";
+    std::string names;
+    for (const std::string& name : m.unread_block_columns) names += (names.empty() ? "" : ", ") + name;
+    if (!names.empty())
+        out << "               columns that are not read: " << names << "; every row is as likely as any other\n";
 }
 
 /// A volume or a mass in a release layer looks as if it mattered: say that it does not.

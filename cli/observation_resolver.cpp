@@ -424,8 +424,16 @@ private:
             const gis::VectorData data =
                 read_site_layer(site_, s_.line, "axis of the observations", {GeometryKind::LineString}, model_.terrain);
             std::vector<Vec2> line;
-            for (const Vec3& p : std::get<Polylines>(data.layer.features.front().geometry).front().points)
-                line.push_back(p.head<2>());
+            std::size_t parts = 0;
+            for (const Feature& feature : data.layer.features)
+                for (const Polyline& part : std::get<Polylines>(feature.geometry)) {
+                    ++parts;
+                    for (const Vec3& p : part.points) line.push_back(p.head<2>());
+                }
+            if (parts != 1)
+                throw InputError("The axis of the observations in '" + s_.line.file + "' has " + std::to_string(parts) +
+                                 " lines, but an axis is one, from the release down the slope: join them, or leave "
+                                 "one in the layer.");
             if (std::all_of(line.begin(), line.end(), [&](const Vec2& p) { return p == line.front(); }))
                 throw InputError("The axis of the observations in '" + s_.line.file +
                                  "' has no length; draw it from the release down the slope.");

@@ -8,6 +8,7 @@
 #include <toml++/toml.h>
 
 #include <algorithm>
+#include <cstring>
 #include <fstream>
 #include <set>
 #include <sstream>
@@ -259,14 +260,36 @@ void check_together(const SiteFile& site) {
 
 }  // namespace
 
-bool SiteFile::is_gdal_name(const std::string& path) const {
+std::optional<GdalName> SiteFile::gdal_name(const std::string& path) const {
+    namespace fs = std::filesystem;
     std::error_code ignored;
-    return path.starts_with("/vsi") ||
-           (path.find(':') != std::string::npos && !std::filesystem::exists(folder / path, ignored));
+    for (const char* archive : {"/vsizip/", "/vsitar/", "/vsigzip/", "/vsi7z/", "/vsirar/"}) {
+        const std::string_view inner =
+            path.starts_with(archive) ? std::string_view(path).substr(std::strlen(archive)) : "";
+        const bool braced = inner.starts_with('{');
+        if (inner.empty() || inner.starts_with("vsi") || inner.starts_with("/vsi")) continue;
+        const std::size_t from = std::strlen(archive) + braced,
+                          to = braced ? std::min(path.find('}'), path.size()) : path.size();
+        return GdalName{path.substr(0, from), path.substr(from, to - from), path.substr(to)};
+    }
+    if (path.starts_with("/vsi")) return GdalName{path, "", ""};
+    if (path.find(':') == std::string::npos || fs::exists(folder / path, ignored)) return std::nullopt;
+    // DRIVER:FILE:PART, DRIVER:"FILE":PART, GTIFF_DIR:2:FILE
+    for (std::size_t colon = path.find(':'); colon != std::string::npos; colon = path.find(':', colon + 1)) {
+        const std::size_t from = colon + 1 + (path.compare(colon + 1, 1, "\"") == 0);
+        const std::size_t to = std::min(path.find_first_of(":\"", from), path.size());
+        const std::string inner = path.substr(from, to - from);
+        // what is a file of the working directory alone is one that is missing, and not another site's
+        if (!inner.empty() && (fs::is_regular_file(beside(inner), ignored) || fs::is_regular_file(inner, ignored)))
+            return GdalName{path.substr(0, from), inner, path.substr(to)};
+    }
+    return GdalName{path, "", ""};
 }
 
 std::filesystem::path SiteFile::resolve(const std::string& path) const {
-    return is_gdal_name(path) ? std::filesystem::path(path) : beside(path);
+    const std::optional<GdalName> name = gdal_name(path);
+    if (!name) return beside(path);
+    return name->path.empty() ? path : name->with(beside(name->path).string());
 }
 
 std::filesystem::path SiteFile::beside(const std::string& path) const {

@@ -4,11 +4,19 @@
 #include "cli/site_settings.hpp"
 
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
 
 namespace scree::cli {
+
+/// A name of GDAL with the path of a file in it: /vsizip/, data/a.zip/dtm.tif; GPKG:, data/a.gpkg, :dtm. Without a file (a data base, a network) all of it is `before`.
+struct GdalName {
+    std::string before, path, after;
+
+    std::string with(const std::string& other_path) const { return before + other_path + after; }
+};
 
 /// A site file as read, with the folder that its paths refer to.
 struct SiteFile {
@@ -16,9 +24,9 @@ struct SiteFile {
     std::filesystem::path folder;
     SiteSettings settings;
 
-    /// Whether it is a name of GDAL (/vsizip/..., GPKG:FILE:LAYER) and no path.
-    bool is_gdal_name(const std::string& path) const;
-    /// A path of the settings as it is opened; names of GDAL are left as they are.
+    /// What a path of the settings is, if it is a name of GDAL and no path.
+    std::optional<GdalName> gdal_name(const std::string& path) const;
+    /// A path of the settings as it is opened. In names of GDAL, too, the path is relative to the folder of the site.
     std::filesystem::path resolve(const std::string& path) const;
     /// The same of what is made, where a colon is a colon.
     std::filesystem::path beside(const std::string& path) const;

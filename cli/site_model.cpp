@@ -40,6 +40,7 @@ BlockPopulation make_population(const SiteFile& site, SiteModel& model) {
     if (s.block_list.empty()) return population;
     const gis::BlockList list = gis::read_block_list(site.resolve(s.block_list).string());
     append(model.warnings, list.warnings);
+    model.unread_block_columns = list.unread_columns;
     model.inputs.push_back(site.resolve(s.block_list).string());
     for (const gis::BlockRow& row : list.blocks)
         population.list.push_back({row.id, row.mass, {row.l1, row.l2, row.l3}});
@@ -87,7 +88,10 @@ std::vector<Screen> make_screens(const gis::VectorData& data, const std::string&
                 screens.push_back(screen);
             }
         } else if (const auto* polygons = std::get_if<MultiPolygon>(&geometry)) {
-            for (const Polygon& polygon : *polygons) add_ring(names[k], polygon.outer);
+            for (const Polygon& polygon : *polygons) {
+                add_ring(names[k], polygon.outer);
+                for (const Ring& hole : polygon.holes) add_ring(names[k], hole);
+            }
         }
     }
     for (std::size_t k = 0; k < screens.size(); ++k) {

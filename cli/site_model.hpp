@@ -23,6 +23,7 @@ struct SiteModel {
     gis::VectorData release;
     std::optional<gis::VectorData> screens;
     std::optional<gis::VectorData> deposit_zones;
+    std::vector<std::string> unread_block_columns;
     std::vector<std::string> inputs;    ///< files read, as opened
     std::vector<gis::InputFile> files;  ///< on disc behind them, as they were when read
     std::vector<std::string> warnings;  ///< of everything, in order of reading

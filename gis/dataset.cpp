@@ -6,6 +6,7 @@
 #include "gis/words.hpp"
 #include "scree/base/error.hpp"
 
+#include <cpl_minixml.h>
 #include <cpl_string.h>
 #include <cpl_vsi.h>
 #include <gdal_priv.h>
@@ -13,6 +14,7 @@
 #include <algorithm>
 #include <filesystem>
 #include <fstream>
+#include <functional>
 
 namespace scree::gis {
 
@@ -45,8 +47,25 @@ std::string trouble_with_file(const std::string& file) {
     return {};
 }
 
+/// Whether an .aux.xml holds more than what GIS programs write for themselves whenever they show a raster: scale, nodata or CRS change what is read.
+bool more_than_statistics(const std::string& file) {
+    const CPLXMLTreeCloser root(CPLParseXMLFile(file.c_str()));
+    std::function<bool(const CPLXMLNode*)> tells = [&](const CPLXMLNode* node) {
+        for (; node; node = node->psNext) {
+            const std::string name = node->eType == CXT_Element ? node->pszValue : "";
+            if (name == "PAMDataset" || name == "PAMRasterBand") {
+                if (tells(node->psChild)) return true;
+            } else if (!name.empty() && name != "Metadata" && name != "Histograms") {
+                return true;
+            }
+        }
+        return false;
+    };
+    return !root || tells(root.get());
+}
+
 bool shown_only(const std::string& file) {
-    return file.ends_with(".ovr") || file.ends_with(".aux.xml");
+    return file.ends_with(".ovr") || (file.ends_with(".aux.xml") && !more_than_statistics(file));
 }
 
 std::string sha256_of_input(const std::string& file) {
@@ -87,6 +106,13 @@ std::vector<std::string> files_behind(const std::string& input) {
     for (char** part = list; part && *part; ++part)
         if (!shown_only(*part)) parts.emplace_back(*part);
     CSLDestroy(list);
+    for (std::size_t k = parts.size();
+         k-- > 0;) {  // what SQLite has not moved into the GeoPackage yet, as long as it is open elsewhere
+        const std::string log = parts[k] + "-wal";
+        if (fs::is_regular_file(log, ignored) && fs::file_size(log, ignored) > 0 &&
+            std::find(parts.begin(), parts.end(), log) == parts.end())
+            parts.push_back(log);
+    }
     std::sort(parts.begin(), parts.end());
     const bool is_part = std::find(parts.begin(), parts.end(), input) != parts.end();
     if (!is_plain_path(input) && !parts.empty() && !is_part) files.clear();  // GPKG:a.gpkg:dtm is no file

@@ -23,7 +23,8 @@ enum class DatasetKind { Raster, Vector };
 DatasetPtr open_dataset(const std::string& file, DatasetKind kind, const std::string& purpose, const GdalScope& scope);
 
 /// The files on disc behind an input: of a Shapefile its parts, of a virtual raster its sources, of a folder what lies in it, else the file itself.
-/// Without overviews and the statistics (.aux.xml) that a GIS writes beside a raster when it shows it.
+/// With the log of a GeoPackage that is open elsewhere (-wal). Without overviews and the statistics (.aux.xml that holds nothing else) that a GIS writes beside a raster
+/// when it shows it.
 std::vector<std::string> files_behind(const std::string& input);
 
 /// A file that was read, and the SHA-256 that it had then, as sha256sum prints it.

@@ -184,22 +184,56 @@ std::string what_is_read() {
                  ", ", kSharesTable, " (and ", kReleasesTable, "); gis/README.md describes them.");
 }
 
+bool is_table(const fs::path& file) {
+    const std::string extension = lower_case(file.extension().string());
+    return extension == ".csv" || extension == ".txt" || extension == ".tsv";
+}
+
+/// The one of the names that is `name`, in whatever case; empty if none is.
+std::string called(const std::string& name, const std::vector<std::string>& names, const std::string& place) {
+    std::string found;
+    for (const std::string& candidate : names) {
+        if (lower_case(is_table(candidate) ? fs::path(candidate).stem().string() : candidate) != name) continue;
+        if (!found.empty())
+            throw InputError(words("The observations '", place, "' hold '", found, "' and '", candidate,
+                                   "': which one counts? Keep one, or rename the other."));
+        found = candidate;
+    }
+    return found;
+}
+
+/// A slip in a name must not leave out half of what was measured.
+void warn_of_unread_tables(const std::string& place, const std::vector<std::string>& there,
+                           const std::vector<std::string>& read, ObservationRecords& records) {
+    std::string names;
+    for (const std::string& name : there)
+        if (std::find(read.begin(), read.end(), name) == read.end())
+            names += words(names.empty() ? "'" : ", '", name, "'");
+    if (!names.empty())
+        records.warnings.push_back(
+            words("The observations '", place, "' hold ", names, ", which is not read; ", what_is_read()));
+}
+
 void add_vector_file(const std::string& file, const LocalFrame& frame, const Box2& extent,
                      ObservationRecords& records) {
     const std::vector<std::string> layers = layer_names(file, "observations");
-    bool any = false;
+    std::vector<std::string> read;
     for (const char* name : kTables) {
-        if (std::find(layers.begin(), layers.end(), name) == layers.end()) continue;
-        add_table(name, read_layer_records(file, name, frame, extent), records);
-        any = true;
+        const std::string layer = called(name, layers, file);
+        if (layer.empty()) continue;
+        add_table(name, read_layer_records(file, layer, frame, extent), records);
+        read.push_back(layer);
     }
-    if (!any) {
+    const bool of_scree =
+        std::find(layers.begin(), layers.end(), "run") != layers.end();  // with more than observations
+    if (!read.empty() && !of_scree) warn_of_unread_tables(file, layers, read, records);
+    if (read.empty()) {
         std::string names;
         for (const std::string& name : layers) names += words(names.empty() ? "'" : ", '", name, "'");
         throw InputError(words("The observations '", file, "' have no layer that is known, only ",
                                names.empty() ? "none" : names, "; ", what_is_read()));
     }
-    if (std::find(layers.begin(), layers.end(), "run") != layers.end()) {
+    if (of_scree) {
         const RecordTable run = read_layer_records(file, "run", frame, extent);
         for (const RecordTable::Record& r : run.records)
             if (run.text(r, "key") == "seed") records.seed = run.text(r, "value");
@@ -225,22 +259,26 @@ std::string kind_of(const RecordTable& table, const fs::path& file) {
         fields, "; ", what_is_read()));
 }
 
-bool is_table(const fs::path& file) {
-    const std::string extension = lower_case(file.extension().string());
-    return extension == ".csv" || extension == ".txt" || extension == ".tsv";
-}
-
 void add_folder(const fs::path& folder, const LocalFrame& frame, const Box2& extent, ObservationRecords& records) {
     if (fs::exists(folder / "results.gpkg")) {
         add_vector_file((folder / "results.gpkg").string(), frame, extent, records);
         return;
     }
+    std::vector<std::string> tables, read;
+    std::error_code ignored;
+    for (const auto& entry : fs::directory_iterator(folder, ignored))
+        if (is_table(entry.path()) && entry.is_regular_file(ignored))
+            tables.push_back(entry.path().filename().string());
+    std::sort(tables.begin(), tables.end());
     for (const char* name : kTables) {
-        const fs::path file = folder / (std::string(name) + ".csv");
-        if (!fs::exists(file)) continue;
-        add_table(name, read_csv_records(file.string(), frame, extent), records);
-        records.files.push_back(file.string());
+        const std::string table = called(name, tables, folder.string());
+        if (table.empty()) continue;
+        const std::string file = (folder / table).string();
+        add_table(name, read_csv_records(file, frame, extent), records);
+        records.files.push_back(file);
+        read.push_back(table);
     }
+    if (!read.empty()) warn_of_unread_tables(folder.string(), tables, read, records);
     if (records.files.empty())
         throw InputError(words("The folder '", folder.string(), "' holds no table of observations and no results; ",
                                what_is_read()));

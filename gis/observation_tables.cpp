@@ -29,14 +29,6 @@ constexpr const char* kOwnFields[] = {"block",       "runout_m",     "drop_m",  
                                       "profile",     "s_m",          "release_s_m",   "mass_left_kg"};
 constexpr double kPoorAccuracy = 5.0;  // of a transformation that deserves a warning [m]
 
-/// As few digits as say which number it is; whole ones, an id say, without a fraction or an exponent.
-std::string shortest(double value) {
-    constexpr double kWhole = 9007199254740992.0;  // beyond, not every whole number is one
-    if (std::abs(value) <= kWhole && value == std::trunc(value)) return words(static_cast<std::int64_t>(value));
-    std::array<char, 32> text{};
-    return {text.data(), std::to_chars(text.data(), text.data() + text.size(), value).ptr};
-}
-
 std::string operation_text(const std::string& name, double accuracy) {
     if (name.empty()) return {};
     return words(

@@ -68,7 +68,9 @@ char separator_of(const std::string& text) {
 }
 
 // RFC 4180, with the separator found and line ends of any system.
-std::vector<Table::Row> split(const std::string& text, char separator, const std::string& place) {
+// Rows of cells without anything in them go to `blank_lines`; empty lines are nothing.
+std::vector<Table::Row> split(const std::string& text, char separator, const std::string& place,
+                              std::vector<std::size_t>& blank_lines) {
     std::vector<Table::Row> rows;
     Table::Row row{1, {}};
     std::string cell;
@@ -83,7 +85,10 @@ std::vector<Table::Row> split(const std::string& text, char separator, const std
         end_cell();
         const bool blank =
             std::all_of(row.cells.begin(), row.cells.end(), [](const std::string& c) { return c.empty(); });
-        if (!blank) rows.push_back(std::move(row));
+        if (!blank)
+            rows.push_back(std::move(row));
+        else if (row.cells.size() > 1)
+            blank_lines.push_back(row.line);
         row = {line, {}};
     };
     for (std::size_t i = 0; i < text.size(); ++i) {
@@ -149,7 +154,13 @@ Table read_table(const std::string& file, const std::string& purpose) {
     }
     const std::optional<char> told = told_separator(text);
     table.separator = told ? *told : separator_of(text);
-    table.rows = split(text, table.separator, place);
+    std::vector<std::size_t> blank_lines;
+    table.rows = split(text, table.separator, place, blank_lines);
+    if (!blank_lines.empty())
+        table.warnings.push_back(words(place, " has ", counted(blank_lines.size(), "row"),
+                                       " without any value (first in line ", blank_lines.front(),
+                                       "), left out; a row that counts, as of a block that was thrown and not found, "
+                                       "needs one, its block_id for example."));
     if (table.rows.empty()) throw InputError(words(place, " is empty; it needs at least a header line."));
     table.header = std::move(table.rows.front().cells);
     table.rows.erase(table.rows.begin());
@@ -223,14 +234,18 @@ BlockList read_block_list(const std::string& file) {
             missing += words(missing.empty() ? "'" : ", '", name, "'");
     }
     if (!missing.empty()) {
-        throw InputError(
-            words(place, " lacks the column ", missing, "; it must have block_id, mass_kg, L1_m, L2_m, L3_m."));
+        throw InputError(words(place, " lacks the column ", missing,
+                               "; it must have block_id, mass_kg, L1_m, L2_m, L3_m",
+                               table.header.size() == 1 ? ", separated by commas, semicolons or tabs." : "."));
     }
     const std::size_t id = column_index(table, "block_id");
     const std::vector<double> mass = number_column(table, "mass_kg", 0, kMaxMass);
     const std::array edges = {number_column(table, "L1_m", 0, kMaxEdge), number_column(table, "L2_m", 0, kMaxEdge),
                               number_column(table, "L3_m", 0, kMaxEdge)};
 
+    for (const std::string& name : table.header)
+        if (name != "block_id" && name != "mass_kg" && name != "L1_m" && name != "L2_m" && name != "L3_m")
+            list.unread_columns.push_back(name);
     std::vector<std::pair<std::string, std::size_t>> seen;
     std::size_t unsorted = 0, strange = 0, first_unsorted = 0, first_strange = 0;
     for (std::size_t r = 0; r < table.rows.size(); ++r) {

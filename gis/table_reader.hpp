@@ -51,6 +51,7 @@ struct BlockRow {
 
 struct BlockList {
     std::vector<BlockRow> blocks;
+    std::vector<std::string> unread_columns;
     std::vector<std::string> warnings;
 };
 

@@ -32,7 +32,7 @@ private:
 
 std::string shown(const FieldValue& value) {
     if (const auto* i = std::get_if<std::int64_t>(&value)) return words(*i);
-    if (const auto* d = std::get_if<double>(&value)) return words(*d);
+    if (const auto* d = std::get_if<double>(&value)) return shortest(*d);
     if (const auto* s = std::get_if<std::string>(&value)) return words("'", *s, "'");
     return "no value";
 }

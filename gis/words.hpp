@@ -1,7 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <array>
+#include <charconv>
+#include <cmath>
 #include <cstddef>
+#include <cstdint>
 #include <locale>
 #include <sstream>
 #include <string>
@@ -30,6 +34,14 @@ inline std::string fixed(double value, int decimals) {
     out.precision(decimals);
     out << std::fixed << value;
     return out.str();
+}
+
+/// As few digits as say which number it is; whole ones, an id say, without a fraction or an exponent.
+inline std::string shortest(double value) {
+    constexpr double kWhole = 9007199254740992.0;  // beyond, not every whole number is one
+    if (std::abs(value) <= kWhole && value == std::trunc(value)) return words(static_cast<std::int64_t>(value));
+    std::array<char, 32> text{};
+    return {text.data(), std::to_chars(text.data(), text.data() + text.size(), value).ptr};
 }
 
 }  // namespace scree::gis

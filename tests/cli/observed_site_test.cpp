@@ -2,6 +2,7 @@
 // Measurements as the library is told of them, and the test that a simulation repeats.
 #include "cli/observed_site.hpp"
 
+#include "cli/account.hpp"
 #include "cli/commands.hpp"
 #include "cli/field_test.hpp"
 #include "cli/program.hpp"
@@ -190,6 +191,61 @@ TEST(ObservedSite, PathsBeginWhereBlocksWereLetGo) {
                                          load_site(read_site_file(file, {"model.dimension=" + dimension})), field);
         EXPECT_LE(plain.observations.paths.size(), 1u) << "the site itself has one";
     }
+}
+
+// GDAL's names hold paths, which are the site's like any other: from whatever folder it is read, and in run.toml.
+TEST(SiteFile, PathsInNamesOfGdalAreRelativeToTheSite) {
+    const test::TempDir folder;
+    fs::create_directories(folder / "site/data");
+    test::put(folder / "site/data/s.gpkg", "here");
+    SiteFile site;
+    site.folder = folder / "site";
+    const std::string data = (site.folder / "data").string();
+    EXPECT_EQ(site.resolve("/vsizip/data/d.zip/dtm.tif"), "/vsizip/" + data + "/d.zip/dtm.tif");
+    EXPECT_EQ(site.resolve("/vsizip/{data/d.zip}/dtm.tif"), "/vsizip/{" + data + "/d.zip}/dtm.tif");
+    EXPECT_EQ(site.resolve("/vsizip//elsewhere/d.zip/dtm.tif"), "/vsizip//elsewhere/d.zip/dtm.tif");
+    EXPECT_EQ(site.resolve("GPKG:data/s.gpkg:dtm"), "GPKG:" + data + "/s.gpkg:dtm");
+    EXPECT_EQ(site.resolve("NETCDF:\"data/s.gpkg\":dtm"), "NETCDF:\"" + data + "/s.gpkg\":dtm");
+    EXPECT_EQ(site.resolve("GTIFF_DIR:2:data/s.gpkg"), "GTIFF_DIR:2:" + data + "/s.gpkg");
+    EXPECT_EQ(site.resolve("PG:dbname=rocks"), "PG:dbname=rocks");
+    EXPECT_EQ(site.resolve("/vsicurl/https://example.org/a.tif"), "/vsicurl/https://example.org/a.tif");
+
+    SiteSettings settings;
+    settings.dtm = "GPKG:data/s.gpkg:dtm";
+    settings.release.file = "/vsizip/data/d.zip/r.gpkg";
+    const std::string text = settings_from(site, settings, folder / "results/out");
+    EXPECT_THAT(text, testing::HasSubstr("'GPKG:../../site/data/s.gpkg:dtm'"));
+    EXPECT_THAT(text, testing::HasSubstr("'/vsizip/../../site/data/d.zip/r.gpkg'"));
+}
+
+// What stands beside a link (.prj, .tfw) belongs to it, and not to the file that it leads to.
+TEST(SiteFile, LinksStayLinksInWhatReproducesARun) {
+    const test::TempDir folder;
+    fs::create_directories(folder / "site");
+    fs::create_directories(folder / "store");
+    test::put(folder / "store/dem.asc", "far");
+    fs::create_symlink("../store/dem.asc", folder / "site/dtm.asc");
+    SiteFile site;
+    site.folder = folder / "site";
+    SiteSettings settings;
+    settings.dtm = "dtm.asc";
+    EXPECT_THAT(settings_from(site, settings, folder / "site/out"), testing::HasSubstr("'../dtm.asc'"));
+}
+
+// Blocks that come from inside a ring cross its inner outline first.
+TEST(Screens, OutlinesOfPolygonsHaveTheirHoles) {
+    gis::VectorData data;
+    data.layer.fields = {Field{"name", FieldType::Text, ""}};
+    Feature ring;
+    ring.geometry = MultiPolygon{Polygon{{{0, 0}, {9, 0}, {9, 9}, {0, 9}}, {{{3, 3}, {6, 3}, {6, 6}, {3, 6}}}}};
+    ring.values = {std::string("ring")};
+    data.layer.features = {ring};
+    const std::vector<Screen> screens = make_screens(data, "name");
+    ASSERT_EQ(screens.size(), 2u);
+    EXPECT_EQ(screens[1].part_of, 0);
+    EXPECT_EQ(screens[1].line.size(), 5u);
+    EXPECT_EQ(screens[1].line.front(), Vec2(3, 3));
+    EXPECT_EQ(screens[1].line.back(), screens[1].line.front());
 }
 
 // What stands beside the results has their name and more, with a slash at its end as without.

@@ -91,6 +91,59 @@ TEST_F(ObservationReader, AllPartsOfAShapefileStandBehindIt) {
     EXPECT_EQ(gis::files_behind(table), std::vector<std::string>{table});
 }
 
+// What a GIS writes for itself when it shows a raster changes nothing; a scale does. What another program has in the log of a GeoPackage counts.
+TEST_F(ObservationReader, WhatChangesValuesStandsBehindARaster) {
+    RasterSpec raster;
+    const std::string file = (folder_ / "dtm.tif").string();
+    write_raster(file, raster);
+    const std::string beside =
+        put("dtm.tif.aux.xml",
+            "<PAMDataset><PAMRasterBand band=\"1\"><Metadata><MDI key=\"STATISTICS_MEAN\">5</MDI>"
+            "</Metadata></PAMRasterBand></PAMDataset>");
+    EXPECT_THAT(gis::files_behind(file), testing::Not(Contains(beside)));
+    put("dtm.tif.aux.xml", "<PAMDataset><PAMRasterBand band=\"1\"><Scale>1.05</Scale></PAMRasterBand></PAMDataset>");
+    EXPECT_THAT(gis::files_behind(file), Contains(beside));
+
+    VectorSpec vector;
+    vector.rows = {{"POINT(900010 6400010)", "a", 1.0}};
+    const std::string package = (folder_ / "zones.gpkg").string();
+    write_vector(package, vector);
+    EXPECT_EQ(gis::files_behind(package), std::vector<std::string>{package});
+    const std::string log = put("zones.gpkg-wal", "not yet moved");
+    EXPECT_THAT(gis::files_behind(package), Contains(log));
+}
+
+// A slip in a name must not leave out half of what was measured.
+TEST_F(ObservationReader, NamesTablesAndLayersThatItDoesNotRead) {
+    const std::string stops = "block_id,easting_m,northing_m,crs\nA,900010,6400020,EPSG:2154\n";
+    const std::string crossings = "block_id,screen,speed_ms\nA,S1,5\n";
+    put("stopping_points.csv", stops);
+    put("Screen_Crossings.CSV", crossings);
+    const auto both = read(folder_.path().string());
+    EXPECT_EQ(both.crossings.size(), 1U) << "case does not count";
+    EXPECT_THAT(both.warnings, IsEmpty());
+    put("crossings_2.csv", crossings);
+    EXPECT_THAT(read(folder_.path().string()).warnings, Contains(HasSubstr("hold 'crossings_2.csv', which is not")));
+    put("screen_crossings.csv", crossings);
+    EXPECT_THAT(error(folder_.path().string()), HasSubstr("which one counts?"));
+
+    VectorSpec spec;
+    spec.layer = "stopping_points";
+    spec.text_field = "block_id";
+    spec.rows = {{"POINT(900010 6400010)", "a", 1.0}};
+    const std::string file = (folder_ / "field.gpkg").string();
+    write_vector(file, spec);
+    spec.layer = "crossing";
+    write_vector(file, spec, true);
+    EXPECT_THAT(read(file).warnings, Contains(HasSubstr("hold 'crossing', which is not read")));
+}
+
+TEST_F(ObservationReader, RowsWithoutAnyValueAreSaid) {
+    const auto o = read(put("stops.csv", "easting_m,northing_m\n900010,6400020\n,\n,\n\n"));
+    EXPECT_EQ(o.stops.size(), 1U);
+    EXPECT_THAT(o.warnings, Contains(testing::AllOf(HasSubstr("2 rows without any value"), HasSubstr("line 3"))));
+}
+
 // GDAL has names with colons of its own; a path may have one, too.
 TEST_F(ObservationReader, FilesWithAColonInTheirPathStandBehindThemselves) {
     std::filesystem::create_directory(folder_ / "run 12:30");

@@ -43,6 +43,7 @@ TEST(BlockList, ReadsRowsInOrderAndIgnoresOtherColumns) {
     EXPECT_EQ(list.blocks[0].mass, 500.0);
     EXPECT_EQ(list.blocks[1].mass, 1200.0);
     EXPECT_EQ(list.blocks[1].l2, 0.8);
+    EXPECT_THAT(list.unread_columns, ElementsAre("note"));
     EXPECT_THAT(list.warnings, IsEmpty());
 }
 
