@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <string>
 
 namespace scree {
@@ -93,13 +94,44 @@ std::vector<double> Profile::crossings(std::span<const Vec2> line) const {
     return found;
 }
 
+std::vector<double> Profile::touches(std::span<const Vec2> line) const {
+    std::vector<double> found;
+    const auto meets = [](const Vec2& p, const Vec2& from, const Vec2& to) -> std::optional<double> {
+        const Vec2 along = to - from;
+        const double u = std::clamp((p - from).dot(along) / std::max(along.squaredNorm(), 1e-300), 0.0, 1.0);
+        if ((p - from - u * along).norm() > kShortestReach) return std::nullopt;
+        return u;
+    };
+    for (std::size_t i = 0; i + 1 < line.size(); ++i) {
+        Box2 box;
+        box.add(line[i]);
+        box.add(line[i + 1]);
+        for (std::size_t k = 0; k < reach_count(); ++k) {
+            Box2 reach;
+            reach.add(place[k]);
+            reach.add(place[k + 1]);
+            if (!reach.overlaps(box.grown(kShortestReach))) continue;
+            for (const std::size_t end : {i, i + 1})
+                if (const auto u = meets(line[end], place[k], place[k + 1]))
+                    found.push_back(s[k] + *u * (s[k + 1] - s[k]));
+            for (const std::size_t end : {k, k + 1})
+                if (meets(place[end], line[i], line[i + 1])) found.push_back(s[end]);
+        }
+    }
+    return found;
+}
+
 std::vector<Stretch> Profile::inside(const MultiPolygon& area) const {
     std::vector<double> cuts{0.0, length()};
     auto cut = [&](const Ring& ring) {
         Ring closed = ring;
         if (!ring.empty()) closed.push_back(ring.front());
-        const std::vector<double> found = crossings(closed);
+        const std::vector<double> found = crossings(closed), met = touches(closed);
         cuts.insert(cuts.end(), found.begin(), found.end());
+        for (const double at : met) {
+            const auto next = std::lower_bound(found.begin(), found.end(), at - kShortestReach);
+            if (next == found.end() || *next > at + kShortestReach) cuts.push_back(at);
+        }
     };
     for (const Polygon& polygon : area) {
         cut(polygon.outer);

@@ -7,6 +7,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 
 namespace scree::test {
@@ -96,6 +97,27 @@ TEST(Profile, ZonesAreStretches) {
     EXPECT_EQ(all[0].from, 0.0);
     EXPECT_EQ(all[0].to, 20.0);
     EXPECT_TRUE(p.inside({Polygon{{{40, 0}, {50, 0}, {50, 50}}, {}}}).empty());
+}
+
+// Along a border that two zones share every metre is in one of them, and a zone that is only touched keeps what lies in it.
+TEST(Profile, ZonesWhoseBorderItFollows) {
+    const std::vector<Vec3> points{{0, 5, 9}, {10, 5, 8}, {15, 0, 7}, {25, 0, 6}, {30, 5, 5}, {40, 5, 4}};
+    const Profile p = make_profile(points, std::vector<SoilId>(5, 1));
+    const Polygon north{{{-5, 0}, {50, 0}, {50, 20}, {-5, 20}}, {}},
+        south{{{-5, -20}, {50, -20}, {50, 0}, {-5, 0}}, {}};
+    const auto in_north = p.inside({north}), in_south = p.inside({south});
+    double length = 0.0;
+    for (const auto& stretches : {in_north, in_south})
+        for (const Stretch& s : stretches) length += s.length();
+    EXPECT_NEAR(length, p.length(), 1e-9);
+    const double leg = std::sqrt(50.0);
+    EXPECT_GE(std::count_if(in_north.begin(), in_north.end(), [&](const Stretch& s) { return s.from == 0.0; }), 1);
+    EXPECT_NEAR(in_north.back().to, p.length(), 1e-9);
+    EXPECT_LE(in_south.empty() ? 0.0 : in_south.front().length(), 10.0 + 1e-9);
+    EXPECT_GE(length - (in_south.empty() ? 0.0 : in_south.front().length()), 20.0 + 2 * leg - 1e-9);
+    // a wedge that is touched by its tip alone
+    const auto touched = p.inside({Polygon{{{20, 0}, {30, -20}, {10, -20}}, {}}});
+    EXPECT_TRUE(touched.empty());
 }
 
 TEST(Profile, NearestPointHasASide) {

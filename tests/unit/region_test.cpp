@@ -49,6 +49,33 @@ TEST(Region, SamplesUniformlyByArea) {
     EXPECT_NEAR(left / double(n), 1.5 / 4.0, 5 * std::sqrt(0.375 * 0.625 / n));
 }
 
+// A needle fills hardly any of its box, and an overlay leaves such: a wedge of 100 m, 1 mm wide at its thick end, with a cut in it.
+TEST(Region, SamplesSlivers) {
+    const Vec2 along = Vec2(3.0, 4.0) / 5.0, across(-along.y(), along.x());
+    const Region region({Polygon{{Vec2(0, 0), 60.0 * along, 60.0 * along + 1e-3 * across, 1e-3 * across}, {}},
+                         Polygon{{70.0 * along, 100.0 * along, 100.0 * along + 2e-3 * across}, {}}});
+    EXPECT_NEAR(region.area(), 0.09, 1e-9);
+    RandomStream random(11, 0, RandomPurpose::ReleasePosition);
+    const int n = 20000;
+    int wedge = 0, thick = 0, first = 0;
+    for (int i = 0; i < n; ++i) {
+        const Vec2 p = region.sample(random);
+        const double s = p.dot(along), aside = p.dot(across);
+        ASSERT_GE(aside, -1e-9);
+        ASSERT_LE(aside, 2e-3 + 1e-9);
+        ASSERT_TRUE((s > -1e-6 && s < 60.0 + 1e-6) || (s > 70.0 - 1e-6 && s < 100.0 + 1e-6));
+        wedge += s > 65.0;
+        thick += s > 85.0;
+        first += s < 20.0;
+    }
+    const auto near = [&](int count, double share) {
+        EXPECT_NEAR(count / double(n), share, 4 * std::sqrt(share * (1 - share) / n));
+    };
+    near(wedge, 1.0 / 3.0);
+    near(thick, 0.75 / 3.0);
+    near(first, 2.0 / 9.0);
+}
+
 TEST(Region, ManyVerticesAreLocatedExactly) {
     Ring star;
     const int n = 20000;

@@ -50,6 +50,8 @@ struct Profile {
     /// Chainages at which a line in plan (a screen) crosses the profile, ascending. What lies exactly on a line counts as on its left, on
     /// both sides of the question: a corner of the screen on the profile, or a vertex of the profile on the screen, is one crossing or none.
     std::vector<double> crossings(std::span<const Vec2> line) const;
+    /// Chainages at which vertices of either lie on the other, in no order: where it touches a line, and begins and ends to follow it [m].
+    std::vector<double> touches(std::span<const Vec2> line) const;
 
     /// The stretches that lie in an area in plan (release area, deposit zone), ascending.
     std::vector<Stretch> inside(const MultiPolygon& area) const;

@@ -4,6 +4,7 @@
 #include "scree/base/random.hpp"
 #include "scree/geometry/feature.hpp"
 
+#include <array>
 #include <vector>
 
 namespace scree {
@@ -31,16 +32,25 @@ private:
         Vec2 a, b;    ///< end points [m]
         int polygon;  ///< index of the polygon [-]
     };
+    /// A part of a polygon between two horizontal lines.
+    struct Trapezium {
+        double low, high;                   ///< y [m]
+        std::array<double, 2> left, width;  ///< x of the left side, and the width, at both [m]
+        double area_up_to;                  ///< of it and all before it [m^2]
+    };
     std::vector<Edge> edges_;
-    std::vector<std::vector<int>> bands_;  ///< per band the edges that reach into it
-    std::vector<Box2> boxes_;              ///< per polygon [m]
-    std::vector<double> areas_;            ///< per polygon [m^2]
-    Box2 bounds_;                          ///< [m]
-    double area_ = 0.0;                    ///< [m^2]
-    double band_height_ = 1.0;             ///< [m]
+    std::vector<std::vector<int>> bands_;          ///< per band the edges that reach into it
+    std::vector<Box2> boxes_;                      ///< per polygon [m]
+    std::vector<double> areas_;                    ///< per polygon [m^2]
+    std::vector<std::vector<Trapezium>> slivers_;  ///< per polygon, of those that fill hardly any of their box
+    Box2 bounds_;                                  ///< [m]
+    double area_ = 0.0;                            ///< [m^2]
+    double band_height_ = 1.0;                     ///< [m]
 
     int band_of(double y) const;
     bool inside_polygon(const Vec2& p, int polygon) const;
+    std::vector<Trapezium> trapezia_of(int polygon) const;
+    static Vec2 sample(const std::vector<Trapezium>& trapezia, RandomStream& random);
 };
 
 }  // namespace scree
