@@ -328,6 +328,23 @@ std::string plain_name(const std::string& name, std::set<std::string>& taken) {
     return unique;
 }
 
+/// With the number that blocks carry as their release_feature: those of the layer itself begin at 1, whatever the input has.
+gis::VectorLayer release_zones(const SiteModel& model) {
+    gis::VectorLayer layer = input_layer(model.release, "release_zones", "Release zones", "");
+    std::vector<Field>& fields = layer.data.fields;
+    const auto at =
+        std::find_if(fields.begin(), fields.end(), [](const Field& f) { return f.name == "release_feature"; });
+    const auto k = at - fields.begin();
+    const bool there = at != fields.end();
+    if (there) fields.erase(at);
+    fields.push_back(integer("release_feature", "Number in the input"));
+    for (Feature& f : layer.data.features) {
+        if (there) f.values.erase(f.values.begin() + k);
+        f.values.emplace_back(f.id);
+    }
+    return layer;
+}
+
 }  // namespace
 
 std::vector<gis::VectorLayer> campaign_vectors(const SiteModel& model, const CampaignResult& result) {
@@ -346,7 +363,7 @@ std::vector<gis::VectorLayer> campaign_vectors(const SiteModel& model, const Cam
         for (gis::VectorLayer& layer : profile_layers(*model.profiles, model.terrain))
             layers.push_back(std::move(layer));
     }
-    layers.push_back(input_layer(model.release, "release_zones", "Release zones", ""));
+    layers.push_back(release_zones(model));
     return layers;
 }
 

@@ -85,7 +85,10 @@ Curves curves_of(const SiteModel& model, const CampaignResult& result) {
 
 std::string text_of(const FieldValue& value) {
     if (const auto* whole = std::get_if<std::int64_t>(&value)) return std::to_string(*whole);
-    if (const auto* number = std::get_if<double>(&value)) return gis::fixed(*number, 4);
+    if (const auto* number = std::get_if<double>(&value)) {  // a probability may be small
+        const int zeros = *number == 0.0 ? 0 : std::max(0, static_cast<int>(-std::log10(std::abs(*number))));
+        return gis::fixed(*number, 4 + zeros);
+    }
     return "";
 }
 

@@ -12,6 +12,8 @@ namespace {
 
 constexpr double kTouch = 1e-6;  // a boundary that reaches less than this into a facet of a grid only touches it [m]
 
+constexpr double kMuchDivided = 0.2;  // share of the terrain in facets that boundaries divide [-]
+
 using Triangle = std::array<Vec2, 3>;  // in plan, counter-clockwise [m]
 
 double area_of(const Triangle& t) {
@@ -143,6 +145,12 @@ public:
             report.warnings.push_back(words("The soil zones leave ", share(report.gap_area),
                                             " of the terrain without a soil: it takes the default, '",
                                             report.soils[zones_.settings().default_soil], "'."));
+        }
+        if (report.divided_area > kMuchDivided * total_) {
+            report.warnings.push_back(
+                words("Boundaries of soil zones divide facets of ", share(report.divided_area),
+                      " of the terrain, each of which has the soil at its centroid: soils lie beside their zones by "
+                      "as much as facets are large. Set terrain.conforming = true, or take smaller cells."));
         }
         if (!zones_.boundaries().empty() && report.gap_area >= total_) {
             report.warnings.push_back(
