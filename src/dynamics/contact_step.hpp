@@ -9,6 +9,7 @@
 
 #include <algorithm>
 #include <array>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -55,6 +56,7 @@ public:
         contacts_ = contacts;
         rotation_ = rotation;
         ahead_ = false;
+        held_.reset();
         const std::size_t count = contacts.size();
         rows_.resize(count * kLocal);
         frames_.resize(count);
@@ -97,6 +99,12 @@ public:
         ahead_ = true;
     }
 
+    /// In the next steps with these contacts the block does not turn about this direction (a unit vector), by whatever torque that takes. In the plane there
+    /// is no such turning.
+    void hold_turning(const Vec& about) {
+        if constexpr (Dim == 3) held_ = rotation_.transpose() * about;
+    }
+
     /// Replaces what the soil says for contact c: restitution [-], friction [-], rolling resistance [m].
     void set_law(std::size_t c, double restitution, double friction, double rolling) {
         restitution_[c] = restitution;
@@ -113,7 +121,7 @@ public:
     ContactSolverReport solve(double h, const Vec& acceleration, const RestitutionRule& rule, BlockState<Dim>& state) {
         auto& [problem, impulse] = *room_;
         const std::vector<Row>&held = ahead_ ? end_rows_ : rows_, &pushed = ahead_ ? mean_rows_ : rows_;
-        const auto response = spin_response(body_.moment, state.spin, h);
+        const auto response = response_of(spin_response(body_.moment, state.spin, h));
         const Vec velocity = state.velocity + h * acceleration;
         const Spin spin = free_spin(body_.moment, state.spin, response, h);
         double* w = problem.delassus.data();  // column by column
@@ -131,7 +139,7 @@ public:
         impulse.setZero();
         if (h > 0.0) guess_from_last_step(h);
         const ContactSolverReport report = solve_contacts<Dim>(problem, settings_, impulse);
-        if (h > 0.0) remember(h);
+        if (h > 0.0 && !held_) remember(h);
         Vec push = Vec::Zero();
         Spin turn = Spin::Zero();
         for (std::size_t i = 0; i < pushed.size(); ++i) {
@@ -153,6 +161,14 @@ public:
     const Eigen::VectorXd& impulse() const { return room_->impulse; }
 
 private:
+    /// Change of spin by an angular impulse [1/(kg m^2)]. Of one that is held fast only what leaves the spin about that direction as it is.
+    template <class Matrix>
+    Matrix response_of(const Matrix& free) const {
+        if (!held_) return free;
+        const Spin along = free * *held_;
+        return free - along * (free.transpose() * *held_).transpose() / held_->dot(along);
+    }
+
     /// One local velocity: linear.v + angular.Omega.
     struct Row {
         Vec linear;
@@ -210,6 +226,7 @@ private:
     std::vector<Row> rows_;                              ///< kLocal for each contact
     std::vector<Row> end_rows_, mean_rows_;              ///< the same at the end of the step, and the mean of both
     bool ahead_ = false;                                 ///< a step from here to there
+    std::optional<Spin> held_;                           ///< no turning about this direction, in the axes of the block
     std::vector<typename Space<Dim>::Rotation> frames_;  ///< of each contact
     std::vector<double> restitution_;                    ///< of each contact [-]
     std::array<Room, 6> rooms_;                          ///< for 0 to 4 contacts, the last for more

@@ -86,6 +86,7 @@ private:
         State now = state_, before = state_;
         double flown = 0.0, last = 0.0;
         MotionSegment<Dim> motion = begin_segment(false);
+        motion.free_moment = body_.moment;
         const double arc = begin_arc();
         const double spin_bound = std::sqrt(2.0 * rotation_energy(body_, now.spin) / body_.moment.minCoeff());
         while (!finished_) {
@@ -446,7 +447,8 @@ private:
     }
 
     /// A block rests when it hardly moves and when, from rest, its weight would not move it; and this for the rest time. Turning about the normal of the
-    /// contact that carries most of the weight is no motion in either sense: the law does not resist it, and the block gets nowhere by it.
+    /// contact that carries most of the weight is no motion in either sense: the law does not resist it, and it is held fast where equilibrium is asked for.
+    /// (Left free it swings the block about that contact, which then holds on ground that is too steep for its friction.)
     ///
     /// A top that stands on one vertex precesses and nothing in the law slows it: a block whose centre of mass has stayed in place for long rests too.
     void look_for_rest(double h) {
@@ -469,8 +471,13 @@ private:
         std::size_t main = 0;
         for (std::size_t c = 1; c < closed_.size(); ++c)
             if (step_.normal_impulse(c) > step_.normal_impulse(main)) main = c;
-        rest_.remove_turning(closed_[main], s);
-        return fastest_point(s) <= kEquilibriumShare * settings_.gravity * settings_.time_step;
+        const double most = kEquilibriumShare * settings_.gravity * settings_.time_step;
+        if (Dim == 2 || fastest_point(s) <= most) return fastest_point(s) <= most;
+        s.velocity.setZero();
+        s.spin.setZero();
+        step_.hold_turning(closed_[main].normal);
+        count(step_.solve(settings_.time_step, gravity_, RestitutionRule{}, s));
+        return fastest_point(s) <= most;
     }
 
     // ---- Moreau-Jean mode (B&A section 3.1.1) ---------------------------------------------------------------------------------
@@ -519,6 +526,7 @@ private:
     /// Steps of the scheme as long as surely nothing closes. Their mean velocities make a parabola: one segment.
     void fly_in_steps(double h) {
         MotionSegment<Dim> motion = begin_segment(false);
+        motion.free_moment = body_.moment;
         do {
             const State before = state_;
             const double energy_before = energy(before);
@@ -602,6 +610,7 @@ private:
         m.position = state_.position;
         m.velocity_start = state_.velocity;
         m.spin_start = m.spin_most = state_.spin.norm();
+        m.turning = state_.spin;
         m.rotation_energy_start = rotation_energy(body_, state_.spin);
         m.in_contact = in_contact;
         return m;

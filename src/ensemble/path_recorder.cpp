@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "ensemble/path_recorder.hpp"
 
+#include "dynamics/rigid_motion.hpp"
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -11,13 +13,28 @@ namespace {
 
 /// Distance between kept points in contact [m]; in flight points are kept every kLineTime, where the chord is off by less than 5 cm.
 constexpr double kLineDistance = 0.25;
-constexpr double kLineTime = 0.2;  ///< [s]
+constexpr double kLineTime = 0.2;   ///< [s]
+constexpr double kSpinStep = 0.01;  ///< of free rotation, at most [s]
 
 /// Of both motions at one time: where a contact turns the one into the other, the largest of each would be more than the block ever has.
 template <int Dim>
 double energy_at(const MotionSegment<Dim>& m, double s) {
     return 0.5 * m.mass * velocity_at(m, s).squaredNorm() + m.rotation_energy_start +
            s * (m.rotation_energy_end - m.rotation_energy_start);
+}
+
+/// A block that turns freely is faster and slower on the way, as it tumbles: Euler's equations say how fast it is.
+template <int Dim>
+double spin_at(const MotionSegment<Dim>& m, double s) {
+    if constexpr (Dim == 3) {
+        if (m.free_moment.x() > 0.0 && s > 0.0 && s < 1.0) {
+            Quat orientation = Quat::Identity();
+            Vec3 spin = m.turning;
+            rotate_freely(m.free_moment, kSpinStep, s * m.duration, orientation, spin);
+            return spin.norm();
+        }
+    }
+    return m.spin_start + s * (m.spin_end - m.spin_start);
 }
 
 }  // namespace
@@ -78,7 +95,7 @@ FilmedImpact::End PathRecorder<Dim>::impact_end(const MotionSegment<Dim>& m, dou
     end.time = m.start + share * m.duration;
     end.position = on_map(position);
     end.velocity = velocity_on_map(position, velocity_at(m, share));
-    end.spin = m.spin_start + share * (m.spin_end - m.spin_start);
+    end.spin = spin_at(m, share);
     if constexpr (Dim == 2) end.s = position.x();
     return end;
 }
@@ -93,7 +110,7 @@ void PathRecorder<Dim>::add_crossing(std::size_t screen, const MotionSegment<Dim
     c.time = m.start + share * m.duration;
     c.position = on_map(position);
     c.velocity = velocity_on_map(position, velocity);
-    c.spin = m.spin_start + share * (m.spin_end - m.spin_start);
+    c.spin = spin_at(m, share);
     c.energy = energy_at(m, share);
     c.height = position[Dim - 1] - ground(position);
     c.measured_speed = velocity.norm();

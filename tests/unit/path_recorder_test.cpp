@@ -2,6 +2,8 @@
 // What is recorded of a motion.
 #include "ensemble/path_recorder.hpp"
 
+#include "support/terrains.hpp"
+
 #include <gtest/gtest.h>
 
 namespace scree {
@@ -25,6 +27,43 @@ TEST(PathRecorder, TheLargestEnergyIsOfBothMotionsAtOneTime) {
     m.rotation_energy_end = 25e3;
     second.segment(m);
     EXPECT_DOUBLE_EQ(spun.largest_energy, 32e3 + 25e3);
+}
+
+// A block that turns about its middle axis tumbles: at a screen it has the spin of that time, far from the mean of both ends.
+TEST(PathRecorder, SpinAtAScreenIsThatOfTheTime) {
+    const Vec3 moment(60.0, 100.0, 130.0);
+    CampaignInput input;
+    input.passages = false;
+    const auto ground = test::inclined_plane(0.0, 20.0);
+    input.surface = ground.get();
+    input.screens = {{"S", {{1.0, -5.0}, {1.0, 5.0}}, -1}};
+    MotionSegment<3> m;
+    m.duration = 4.0;
+    m.mass = 1000.0;
+    m.velocity_start = m.velocity_end = {0.5, 0.0, 0.0};  // there after 2 s
+    m.turning = {0.5, 6.0, 0.0};
+    m.free_moment = moment;
+    m.spin_start = m.turning.norm();
+    Vec3 spin = m.turning, later = m.turning;
+    const auto rate = [&](const Vec3& w) {
+        return Vec3((moment[1] - moment[2]) * w[1] * w[2] / moment[0],
+                    (moment[2] - moment[0]) * w[2] * w[0] / moment[1],
+                    (moment[0] - moment[1]) * w[0] * w[1] / moment[2]);
+    };
+    constexpr double kStep = 1e-4;
+    for (int k = 0; k < 40000; ++k) {
+        const Vec3 half = later + 0.5 * kStep * rate(later);
+        later += kStep * rate(half);
+        if (k < 20000) spin = later;
+    }
+    m.spin_end = later.norm();
+    BlockResult result;
+    MapRecorder recorder(input, 0, result);
+    recorder.segment(m);
+    const auto crossings = recorder.crossings();
+    ASSERT_EQ(crossings.size(), 1u);
+    EXPECT_NEAR(crossings[0].spin, spin.norm(), 1e-4);
+    EXPECT_GT(std::abs(spin.norm() - 0.5 * (m.spin_start + m.spin_end)), 0.05) << "or the test says nothing";
 }
 
 }  // namespace

@@ -65,6 +65,10 @@ struct MotionSegment {
     double spin_start = 0.0;           ///< magnitude of the angular velocity [rad/s]
     double spin_end = 0.0;             ///< [rad/s]
     double spin_most = 0.0;  ///< largest on the way: a block that turns freely may be faster in between [rad/s]
+    typename Space<Dim>::Spin turning =
+        Space<Dim>::Spin::Zero();  ///< angular velocity at the start, in the axes of the block [rad/s]
+    /// Principal moments where the block turns freely all the way, else zero: then its spin changes evenly [kg m^2].
+    typename Space<Dim>::Spin free_moment = Space<Dim>::Spin::Zero();
     double rotation_energy_start = 0.0;  ///< [J]
     double rotation_energy_end = 0.0;    ///< [J]
     bool in_contact = false;
