@@ -169,8 +169,22 @@ namespace {
 
 /// Slopes under a block are those between points so far on either side [m].
 constexpr double kSlopeBase = 2.0;
+/// Where there is less ground to both sides it has no slope [m].
+constexpr double kShortestBase = 0.05;
 /// Gentler ground is level [-].
 constexpr double kLevel = 1e-6;
+
+/// By how much the ground falls per metre, from its height so far ahead; near an edge or a hole as far as there is ground [-].
+template <class Height>
+double fall_along(Height height) {
+    const auto reach = [&](double side) {
+        double by = kSlopeBase;
+        while (by > kShortestBase && !std::isfinite(height(side * by))) by *= 0.5;
+        return std::isfinite(height(side * by)) ? side * by : 0.0;
+    };
+    const double back = reach(-1.0), ahead = reach(1.0);
+    return (height(back) - height(ahead)) / (ahead - back);
+}
 
 bool pushes(std::span<const Effect> effects) {
     return std::any_of(effects.begin(), effects.end(),
@@ -183,9 +197,7 @@ void push_release(std::span<const Effect> effects, const Surface& surface, Block
     if (!pushes(effects)) return;
     const Vec2 p = state.position.head<2>();
     Vec2 fall;
-    for (int k = 0; k < 2; ++k)
-        fall[k] = (surface.height(p - kSlopeBase * Vec2::Unit(k)) - surface.height(p + kSlopeBase * Vec2::Unit(k))) /
-                  (2.0 * kSlopeBase);
+    for (int k = 0; k < 2; ++k) fall[k] = fall_along([&](double by) { return surface.height(p + by * Vec2::Unit(k)); });
     if (!fall.allFinite() || fall.norm() < kLevel) return;
     const Vec3 down = Vec3(fall.x(), fall.y(), -fall.squaredNorm()).normalized();
     const Vec3 across = Vec3::UnitZ().cross(down).normalized();  // rolling downhill turns about it
@@ -199,7 +211,7 @@ void push_release(std::span<const Effect> effects, const Surface& surface, Block
 void push_release(std::span<const Effect> effects, const Profile& profile, BlockState<2>& state) {
     if (!pushes(effects)) return;
     const double s = state.position.x();
-    const double fall = (profile.height_at(s - kSlopeBase) - profile.height_at(s + kSlopeBase)) / (2.0 * kSlopeBase);
+    const double fall = fall_along([&](double by) { return profile.height_at(s + by); });
     if (!std::isfinite(fall) || std::abs(fall) < kLevel) return;
     const double sign = fall > 0.0 ? 1.0 : -1.0;
     const Vec2 down = Vec2(sign, -std::abs(fall)).normalized();

@@ -23,6 +23,25 @@ TEST(ReleaseArea, StartsWhereLittleOfItLiesOnTheTerrain) {
     }
 }
 
+// A metre from the edge of the ground, and between two edges, the slope is that of the ground there is.
+TEST(ReleaseMotion, PushesNearAnEdge) {
+    const auto surface = grid_terrain(20.0, 1.0, [](double x, double) { return -0.5 * x; });
+    Effect push = make_effect(EffectKind::ReleaseMotion);
+    push.set("speed", 3.0);
+    for (const double x : {0.0, 19.0, -19.0, 19.9}) {
+        BlockState<3> state;
+        state.position = {x, 19.0, 30.0};
+        push_release(std::vector<Effect>{push}, *surface, state);
+        EXPECT_LT((state.velocity - 3.0 * Vec3(1.0, 0.0, -0.5).normalized()).norm(), 1e-9) << x;
+    }
+    const std::vector<Vec3> points{{0, 0, 10}, {1.5, 0, 9.25}};
+    const Profile profile = make_profile(points, std::vector<SoilId>{0});
+    BlockState<2> state;
+    state.position = {1.0, 12.0};
+    push_release(std::vector<Effect>{push}, profile, state);
+    EXPECT_LT((state.velocity - 3.0 * Vec2(1.0, -0.5).normalized()).norm(), 1e-9);
+}
+
 // On the map and on a profile: there, that fast, turning as it rolls forward, and free of the ground.
 TEST(Departure, PutsABlockOnItsWay) {
     const auto surface = grid_terrain(20.0, 1.0, [](double, double) { return 5.0; });
