@@ -32,6 +32,10 @@ void add_site_and_terrain(std::vector<Setting<SiteSettings>>& keys) {
     keys.push_back(terrain.choice("surface", kSurfaceKindNames, AT(surface),
                                   "grid: two facets a cell. tin: as few facets as the tolerance allows; its slopes may "
                                   "differ more than its heights."));
+    keys.push_back(terrain.choice("diagonals", kDiagonalRuleNames, AT(diagonals),
+                                  "How the cells of a grid are parted. alike: all from north-west to south-east. "
+                                  "by_relief: each along the diagonal on which the ground bends less, so that rough "
+                                  "ground has no grain that steers blocks."));
     keys.push_back(terrain.number("tolerance", "m", kPositive, AT(tolerance),
                                   "Largest vertical distance between tin and grid; larger smooths the terrain."));
     keys.push_back(

@@ -19,6 +19,8 @@ namespace scree::cli {
 enum class SurfaceKind { Grid, Tin };
 inline constexpr std::array<const char*, 2> kSurfaceKindNames{"grid", "tin"};
 
+inline constexpr std::array<const char*, 2> kDiagonalRuleNames{"alike", "by_relief"};
+
 enum class BlockOrder { Random, InTurn };
 inline constexpr std::array<const char*, 2> kBlockOrderNames{"random", "in_turn"};
 
@@ -82,6 +84,7 @@ struct SiteSettings {
     std::string dtm;
     double resolution = 0.0;  ///< 0: that of the DTM [m]
     SurfaceKind surface = SurfaceKind::Grid;
+    DiagonalRule diagonals = DiagonalRule::Alike;
     double tolerance = 0.1;   ///< of the tin [m]
     bool conforming = false;  ///< facets end at soil boundaries
     VectorInput breaklines;

@@ -20,9 +20,9 @@ gis::SoilZoneSettings zone_settings(const SiteSettings& s) {
 }
 
 /// Takes the facets, or their soils, out of the terrain.
-std::unique_ptr<Surface> surface_of(gis::Terrain& terrain) {
+std::unique_ptr<Surface> surface_of(gis::Terrain& terrain, DiagonalRule diagonals) {
     return terrain.mesh ? make_mesh_surface(std::move(*terrain.mesh))
-                        : make_grid_surface(terrain.grid, std::move(terrain.grid_soil));
+                        : make_grid_surface(terrain.grid, std::move(terrain.grid_soil), diagonals);
 }
 
 }  // namespace
@@ -34,6 +34,7 @@ SiteTerrain load_terrain(const SiteFile& site) {
     source.resolution = s.resolution;
     source.surface = s.surface == SurfaceKind::Grid ? gis::Surface::Grid : gis::Surface::Tin;
     source.tolerance = s.tolerance;
+    source.diagonals = s.diagonals;
     source.conforming = s.conforming;
     if (!s.zones.file.empty()) source.zones_file = site.resolve(s.zones.file).string();
     source.zones_layer = s.zones.layer;
@@ -50,13 +51,13 @@ SiteTerrain load_terrain(const SiteFile& site) {
     if (drawn && s.dimension == 2) {
         gis::Terrain bare = terrain.data;
         add_facets(source, bare);
-        terrain.without_berms = surface_of(bare);
+        terrain.without_berms = surface_of(bare, s.diagonals);
     }
     raise_berms(terrain.effects, terrain.data.grid);
     add_facets(source, terrain.data);
     std::ostringstream words;
     const bool mesh = terrain.data.mesh.has_value();
-    terrain.surface = surface_of(terrain.data);
+    terrain.surface = surface_of(terrain.data, s.diagonals);
     if (mesh) {
         words << terrain.surface->facet_count() << " facets of a triangulated mesh";
         if (terrain.data.triangulation)

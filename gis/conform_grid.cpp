@@ -13,12 +13,12 @@ namespace scree::gis {
 
 namespace {
 
-// An edge of the lattice: 3 * node + direction (0: to the east, 1: to the north, 2: from the node's eastern neighbour to its northern).
+// An edge of the lattice: 3 * node + direction (0: to the east, 1: to the north, 2: the diagonal of the square to its north-east).
 using EdgeKey = std::int64_t;
 
 class Conformer {
 public:
-    explicit Conformer(const Grid<double>& grid) : lattice_(grid) {
+    Conformer(const Grid<double>& grid, DiagonalRule rule) : lattice_(grid, rule) {
         const auto nodes = static_cast<std::size_t>(lattice_.columns()) * static_cast<std::size_t>(lattice_.rows());
         node_vertex_.assign(nodes, -1);
     }
@@ -74,20 +74,24 @@ private:
             edge_points_[edge(i, j, 0)].push_back(p);
         else if (fu == 0)
             edge_points_[edge(i, j, 1)].push_back(p);
-        else if (fu + fv == kSnap)
+        else if (lattice_.diagonals().rises(static_cast<int>(i), static_cast<int>(j)) ? fu == fv : fu + fv == kSnap)
             edge_points_[edge(i, j, 2)].push_back(p);
     }
 
     std::array<EdgeKey, 3> edges_of(std::int64_t facet) const {
         const auto [i, j] = lattice_.square(facet);
-        if (facet % 2 == 0) return {edge(i, j, 0), edge(i, j, 1), edge(i, j, 2)};
-        return {edge(i, j + 1, 0), edge(i + 1, j, 1), edge(i, j, 2)};
+        const int half = static_cast<int>(facet % 2);
+        return {edge(i, j + half, 0), edge(half == lattice_.diagonals().western(i, j) ? i : i + 1, j, 1),
+                edge(i, j, 2)};
     }
     std::array<SnappedPoint, 3> corners_of(std::int64_t facet) const {
         const auto square = lattice_.square(facet);
-        const std::int64_t i = square.i * kSnap, j = square.j * kSnap;
-        if (facet % 2 == 0) return {SnappedPoint{i, j}, {i + kSnap, j}, {i, j + kSnap}};
-        return {SnappedPoint{i + kSnap, j}, {i + kSnap, j + kSnap}, {i, j + kSnap}};
+        std::array<SnappedPoint, 3> corners;
+        for (std::size_t k = 0; k < 3; ++k) {
+            const auto [di, dj] = lattice_.corners(facet)[k];
+            corners[k] = {(square.i + di) * kSnap, (square.j + dj) * kSnap};
+        }
+        return corners;
     }
 
     bool is_cut(std::int64_t facet) const {
@@ -161,8 +165,8 @@ private:
 
 }  // namespace
 
-Triangulation conform_grid(const Grid<double>& grid, const ConstraintLines& lines) {
-    Conformer conformer(grid);
+Triangulation conform_grid(const Grid<double>& grid, const ConstraintLines& lines, DiagonalRule rule) {
+    Conformer conformer(grid, rule);
     conformer.cut(lines);
     return conformer.build();
 }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "gis/soil_zones.hpp"
 #include "gis/words.hpp"
+#include "scree/geometry/diagonals.hpp"
 
 #include <algorithm>
 #include <array>
@@ -168,19 +169,25 @@ private:
 
 }  // namespace
 
-FacetSoils assign_soils(const SoilZones& zones, const Grid<double>& grid) {
+FacetSoils assign_soils(const SoilZones& zones, const Grid<double>& grid, DiagonalRule rule) {
     const GridShape& shape = grid.shape;
     const std::size_t cells = static_cast<std::size_t>(std::max(0, shape.columns - 1)) *
                               static_cast<std::size_t>(std::max(0, shape.rows - 1));
     Assignment assignment(zones, 2 * cells, shape.bounds(), shape.cell, kTouch);
+    const Diagonals diagonals(grid, rule);
     std::size_t facet = 0;
     for (int j = 0; j + 1 < shape.rows; ++j) {
         for (int i = 0; i + 1 < shape.columns; ++i) {
-            const Vec2 a = shape.centre(i, j), b = shape.centre(i + 1, j), c = shape.centre(i, j + 1),
-                       d = shape.centre(i + 1, j + 1);
-            const bool middle = !std::isnan(grid.at(i + 1, j)) && !std::isnan(grid.at(i, j + 1));
-            if (middle && !std::isnan(grid.at(i, j))) assignment.take(facet, {a, b, c});
-            if (middle && !std::isnan(grid.at(i + 1, j + 1))) assignment.take(facet + 1, {b, d, c});
+            for (const int half : {0, 1}) {
+                Triangle t;
+                double sum = 0;
+                for (std::size_t k = 0; k < 3; ++k) {
+                    const auto [di, dj] = diagonals.corners(i, j, half)[k];
+                    t[k] = shape.centre(i + di, j + dj);
+                    sum += grid.at(i + di, j + dj);
+                }
+                if (!std::isnan(sum)) assignment.take(facet + static_cast<std::size_t>(half), t);
+            }
             facet += 2;
         }
     }

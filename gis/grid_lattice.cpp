@@ -13,12 +13,12 @@ namespace scree::gis {
 namespace {
 
 // Along which lines of the lattice a crossing lies.
-enum class Family { Free, Vertical, Horizontal, Diagonal };
+enum class Family { Free, Vertical, Horizontal, Falling, Rising };
 
 struct Crossing {
     double t = 0;  // along the segment, 0 to 1 [-]
     Family family = Family::Free;
-    std::int64_t line = 0;  // u, v or u + v [cells]
+    std::int64_t line = 0;  // u, v, u + v or v - u [cells]
 };
 
 std::int64_t snapped(double value) {
@@ -33,8 +33,10 @@ SnappedPoint point_at(const Crossing& crossing, const Vec2& a, const Vec2& b) {
             return {line, snapped(p.y())};
         case Family::Horizontal:
             return {snapped(p.x()), line};
-        case Family::Diagonal:
+        case Family::Falling:
             return {snapped(p.x()), line - snapped(p.x())};
+        case Family::Rising:
+            return {snapped(p.x()), line + snapped(p.x())};
         case Family::Free:
             break;
     }
@@ -47,6 +49,21 @@ void add_crossings(double from, double to, Family family, std::vector<Crossing>&
                high = static_cast<std::int64_t>(std::floor(std::max(from, to)));
     for (std::int64_t line = low; line <= high; ++line) {
         crossings.push_back({(static_cast<double>(line) - from) / (to - from), family, line});
+    }
+}
+
+// Of each square between neighbouring crossings its own diagonal.
+void add_diagonals(const GridLattice& lattice, const Vec2& start, const Vec2& end, std::vector<Crossing>& crossings) {
+    const std::size_t count = crossings.size();
+    for (std::size_t k = 0; k + 1 < count; ++k) {
+        const double from = crossings[k].t, to = crossings[k + 1].t;
+        const auto [i, j] = lattice.square(lattice.facet_at(start + 0.5 * (from + to) * (end - start)));
+        const bool rises = lattice.diagonals().rises(i, j);
+        const double sign = rises ? -1.0 : 1.0;
+        const std::int64_t line = rises ? std::int64_t{j} - i : std::int64_t{i} + j + 1;
+        const double a = start.y() + sign * start.x(), b = end.y() + sign * end.x();
+        const double t = (static_cast<double>(line) - a) / (b - a);
+        if (a != b && t >= from && t <= to) crossings.push_back({t, rises ? Family::Rising : Family::Falling, line});
     }
 }
 
@@ -159,10 +176,14 @@ std::vector<LinePiece> cut_by_lattice(const GridLattice& lattice, const Vec2& a,
     std::vector<Crossing> crossings{{0, Family::Free, 0}, {1, Family::Free, 0}};
     add_crossings(start.x(), end.x(), Family::Vertical, crossings);
     add_crossings(start.y(), end.y(), Family::Horizontal, crossings);
-    add_crossings(start.x() + start.y(), end.x() + end.y(), Family::Diagonal, crossings);
-    std::sort(crossings.begin(), crossings.end(), [](const Crossing& p, const Crossing& q) {
-        return std::pair(p.t, static_cast<int>(p.family)) < std::pair(q.t, static_cast<int>(q.family));
-    });
+    const auto sort = [&] {
+        std::sort(crossings.begin(), crossings.end(), [](const Crossing& p, const Crossing& q) {
+            return std::pair(p.t, static_cast<int>(p.family)) < std::pair(q.t, static_cast<int>(q.family));
+        });
+    };
+    sort();
+    add_diagonals(lattice, start, end, crossings);
+    sort();
     for (std::size_t k = 0; k + 1 < crossings.size(); ++k) {
         const SnappedPoint p = point_at(crossings[k], start, end), q = point_at(crossings[k + 1], start, end);
         if (p == q) continue;

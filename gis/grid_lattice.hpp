@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include "scree/geometry/grid.hpp"
+#include "scree/geometry/diagonals.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -13,10 +13,11 @@
 namespace scree::gis {
 
 /// The surface of a grid in lattice coordinates: node (i, j), the centre of cell (i, j), lies at u = i, v = j. Each square of four nodes
-/// has two facets, parted by its diagonal from (i+1, j) to (i, j+1); they are numbered as in assign_soils().
+/// has two facets, parted by one of its Diagonals; they are numbered as in assign_soils().
 class GridLattice {
 public:
-    explicit GridLattice(const Grid<double>& grid) : grid_(grid) {}
+    explicit GridLattice(const Grid<double>& grid, DiagonalRule rule = DiagonalRule::Alike)
+        : grid_(grid), diagonals_(grid, rule) {}
 
     int columns() const { return grid_.shape.columns; }
     int rows() const { return grid_.shape.rows; }
@@ -29,13 +30,19 @@ public:
     std::int64_t facet_at(const Vec2& uv) const {
         const int i = std::clamp(static_cast<int>(uv.x()), 0, columns() - 2),
                   j = std::clamp(static_cast<int>(uv.y()), 0, rows() - 2);
-        return 2 * (std::int64_t{j} * (columns() - 1) + i) + ((uv.x() - i) + (uv.y() - j) > 1 ? 1 : 0);
+        return 2 * (std::int64_t{j} * (columns() - 1) + i) + diagonals_.half_at(i, j, uv.x() - i, uv.y() - j);
     }
+    const Diagonals& diagonals() const { return diagonals_; }
     /// Whether all three nodes of a facet have a height.
     bool valid(std::int64_t facet) const {
         const auto [i, j] = square(facet);
-        return !std::isnan(node(i + 1, j)) && !std::isnan(node(i, j + 1)) &&
-               !std::isnan(facet % 2 ? node(i + 1, j + 1) : node(i, j));
+        double sum = 0;
+        for (const auto& [di, dj] : corners(facet)) sum += node(i + di, j + dj);
+        return !std::isnan(sum);
+    }
+    const Diagonals::Corners& corners(std::int64_t facet) const {
+        const auto [i, j] = square(facet);
+        return diagonals_.corners(i, j, static_cast<int>(facet % 2));
     }
     struct Square {
         int i, j;  ///< south-west node [-]
@@ -46,14 +53,17 @@ public:
     /// Height of the plane of a facet at a place [m].
     double height(std::int64_t facet, const Vec2& uv) const {
         const auto [i, j] = square(facet);
-        const double fu = uv.x() - i, fv = uv.y() - j;
-        if (facet % 2 == 0) return node(i, j) + fu * (node(i + 1, j) - node(i, j)) + fv * (node(i, j + 1) - node(i, j));
-        const double corner = node(i + 1, j + 1);
-        return corner + (1 - fu) * (node(i, j + 1) - corner) + (1 - fv) * (node(i + 1, j) - corner);
+        const double fu = uv.x() - i, fv = uv.y() - j, sw = node(i, j), ne = node(i + 1, j + 1);
+        if (diagonals_.rises(i, j))
+            return facet % 2 == 0 ? sw + fu * (node(i + 1, j) - sw) + fv * (ne - node(i + 1, j))
+                                  : sw + fv * (node(i, j + 1) - sw) + fu * (ne - node(i, j + 1));
+        if (facet % 2 == 0) return sw + fu * (node(i + 1, j) - sw) + fv * (node(i, j + 1) - sw);
+        return ne + (1 - fu) * (node(i, j + 1) - ne) + (1 - fv) * (node(i + 1, j) - ne);
     }
 
 private:
     const Grid<double>& grid_;
+    Diagonals diagonals_;
 };
 
 /// Lines are put on positions that are multiples of 1/kSnap of a cell, so that points on edges of the lattice lie exactly on them in

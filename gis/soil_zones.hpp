@@ -2,7 +2,7 @@
 #pragma once
 
 #include "gis/vector_reader.hpp"
-#include "scree/geometry/grid.hpp"
+#include "scree/geometry/diagonals.hpp"
 #include "scree/geometry/region.hpp"
 #include "scree/geometry/triangle_mesh.hpp"
 
@@ -74,10 +74,9 @@ private:
     std::vector<std::vector<int>> bins_;  ///< zones whose box reaches into a bin, row by row
 };
 
-/// Soil of each facet of the surface of a grid whose nodes are the CENTRES of its cells. With nodes (i, j), facet
-/// f = 2 (j (columns - 1) + i) is (i, j), (i+1, j), (i, j+1) and facet f + 1 is (i+1, j), (i+1, j+1), (i, j+1).
+/// Soil of each facet of the surface of a grid whose nodes are the CENTRES of its cells, numbered as in make_grid_surface().
 /// Facets with a node without height get the default soil and count in no area.
-FacetSoils assign_soils(const SoilZones& zones, const Grid<double>& grid);
+FacetSoils assign_soils(const SoilZones& zones, const Grid<double>& grid, DiagonalRule rule = DiagonalRule::Alike);
 /// Soil of each facet of a mesh. A boundary that reaches less than `touch` [m] into a facet does not divide it: a conforming mesh
 /// follows boundaries to within a small part of a cell only.
 FacetSoils assign_soils(const SoilZones& zones, const TriangleMesh& mesh, double touch = 1e-6);

@@ -84,14 +84,14 @@ void add_facets(const TerrainSource& source, Terrain& terrain) {
     }
 
     if (source.surface == Surface::Grid && lines.empty()) {
-        FacetSoils soils = assign_soils(zones, terrain.grid);
+        FacetSoils soils = assign_soils(zones, terrain.grid, source.diagonals);
         terrain.grid_soil = std::move(soils.soil);
         terrain.soils = std::move(soils.report);
         return;
     }
     Triangulation triangulation = source.surface == Surface::Tin
-                                      ? triangulate_tin(terrain.grid, lines, source.tolerance)
-                                      : conform_grid(terrain.grid, lines);
+                                      ? triangulate_tin(terrain.grid, lines, source.tolerance, source.diagonals)
+                                      : conform_grid(terrain.grid, lines, source.diagonals);
     // facets follow boundaries to within the distance at which lines are joined, and rounding
     const double touch = source.conforming ? 1.1 * kJoinDistance * terrain.grid.shape.cell : 1e-6;
     FacetSoils soils = assign_soils(zones, triangulation.mesh, touch);

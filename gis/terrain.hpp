@@ -19,11 +19,12 @@ struct TerrainSource {
     std::string dtm;                  ///< raster of heights
     double resolution = 0.0;          ///< of the model; 0: the larger edge of the raster's cells [m]
     Surface surface = Surface::Grid;  ///< facets: two a cell, or few within a tolerance
-    double tolerance = 0.1;   ///< of a Tin: largest vertical distance between a node of the grid and the surface [m]
-    bool conforming = false;  ///< true: facets do not cross the boundaries of soil zones
-    std::string zones_file;   ///< polygons with soils; empty: the default soil everywhere
-    std::string zones_layer;  ///< empty: the only one
-    SoilZoneSettings zones;   ///< names of soils, fields
+    double tolerance = 0.1;  ///< of a Tin: largest vertical distance between a node of the grid and the surface [m]
+    DiagonalRule diagonals = DiagonalRule::Alike;
+    bool conforming = false;       ///< true: facets do not cross the boundaries of soil zones
+    std::string zones_file;        ///< polygons with soils; empty: the default soil everywhere
+    std::string zones_layer;       ///< empty: the only one
+    SoilZoneSettings zones;        ///< names of soils, fields
     std::string breaklines_file;   ///< lines (or polygons) that facets must not cross; empty: none
     std::string breaklines_layer;  ///< empty: the only one
     DtmSettings limits;

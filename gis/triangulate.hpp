@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include "scree/geometry/grid.hpp"
+#include "scree/geometry/diagonals.hpp"
 #include "scree/geometry/triangle_mesh.hpp"
 
 #include <string>
@@ -34,11 +34,13 @@ struct Triangulation {
 /// The surface of the grid (nodes: cell centres; two facets a square, see assign_soils) with its facets divided along the lines. The
 /// surface stays the same to rounding; facets without a line stay as they are. Squares beside holes keep the facets that are complete.
 /// Lines nearer than 1/16 of a cell to each other or to a node are joined; then they lie within 1/256 of a cell of where they were.
-Triangulation conform_grid(const Grid<double>& grid, const ConstraintLines& lines);
+Triangulation conform_grid(const Grid<double>& grid, const ConstraintLines& lines,
+                           DiagonalRule rule = DiagonalRule::Alike);
 
 /// A triangulation with few facets that passes every node of the grid within `tolerance` > 0 [m] (greedy insertion: Garland and
 /// Heckbert 1995, here the worst node of each triangle at a time, until none is left). The lines become edges, with heights of the
 /// grid surface, within a tenth of the tolerance along the line. The mesh covers the same area as the grid surface: its rim follows holes.
-Triangulation triangulate_tin(const Grid<double>& grid, const ConstraintLines& lines, double tolerance);
+Triangulation triangulate_tin(const Grid<double>& grid, const ConstraintLines& lines, double tolerance,
+                              DiagonalRule rule = DiagonalRule::Alike);
 
 }  // namespace scree::gis

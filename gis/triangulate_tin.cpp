@@ -35,7 +35,8 @@ std::uint64_t morton(const Node& node) {
 
 class TinBuilder {
 public:
-    TinBuilder(const Grid<double>& grid, double tolerance) : lattice_(grid), tolerance_(tolerance) {}
+    TinBuilder(const Grid<double>& grid, double tolerance, DiagonalRule rule)
+        : lattice_(grid, rule), tolerance_(tolerance) {}
 
     void add_rim();
     void add_lines(const ConstraintLines& lines);
@@ -62,6 +63,12 @@ private:
         if (i < 0 || j < 0 || i >= lattice_.columns() - 1 || j >= lattice_.rows() - 1) return false;
         return lattice_.valid(2 * (j * (lattice_.columns() - 1) + i) + half);
     }
+
+    bool has_square(int i, int j) const {
+        return i >= 0 && j >= 0 && i < lattice_.columns() - 1 && j < lattice_.rows() - 1;
+    }
+    bool rises(int i, int j) const { return has_square(i, j) && lattice_.diagonals().rises(i, j); }
+    int western(int i, int j) const { return rises(i, j) ? 1 : 0; }
 
     GridLattice lattice_;
     double tolerance_;             // [m]
@@ -91,13 +98,21 @@ void TinBuilder::add_rim() {
     for (int i = 0; i < columns; ++i) {
         runs(
             rows - 1, [&](int k) { return Vec2(i, k); },
-            [&](int k) { return facet_valid(i, k, 0) != facet_valid(i - 1, k, 1); });
+            [&](int k) { return facet_valid(i, k, western(i, k)) != facet_valid(i - 1, k, 1 - western(i - 1, k)); });
     }
     // diagonals from (s - k, k) to (s - k - 1, k + 1), through the squares (s - k - 1, k)
     for (int s = 1; s <= columns + rows - 3; ++s) {
         runs(
             rows - 1, [&](int k) { return Vec2(s - k, k); },
-            [&](int k) { return facet_valid(s - k - 1, k, 0) != facet_valid(s - k - 1, k, 1); });
+            [&](int k) {
+                return !rises(s - k - 1, k) && facet_valid(s - k - 1, k, 0) != facet_valid(s - k - 1, k, 1);
+            });
+    }
+    // and from (s + k, k) to (s + k + 1, k + 1)
+    for (int s = 2 - rows; s <= columns - 2; ++s) {
+        runs(
+            rows - 1, [&](int k) { return Vec2(s + k, k); },
+            [&](int k) { return rises(s + k, k) && facet_valid(s + k, k, 0) != facet_valid(s + k, k, 1); });
     }
 }
 
@@ -271,13 +286,14 @@ Triangulation TinBuilder::finish() {
 
 }  // namespace
 
-Triangulation triangulate_tin(const Grid<double>& grid, const ConstraintLines& lines, double tolerance) {
+Triangulation triangulate_tin(const Grid<double>& grid, const ConstraintLines& lines, double tolerance,
+                              DiagonalRule rule) {
     if (!(tolerance > 0) || !std::isfinite(tolerance)) {
         throw InputError(words("The vertical tolerance of the triangulation is ", tolerance,
                                " m, but it must be greater than 0; use the grid surface to keep "
                                "every node."));
     }
-    TinBuilder builder(grid, tolerance);
+    TinBuilder builder(grid, tolerance, rule);
     builder.add_rim();
     builder.add_lines(lines);
     builder.refine();

@@ -15,7 +15,8 @@ namespace {
 
 class GridSurface final : public Surface {
 public:
-    GridSurface(Grid<double> heights, std::vector<SoilId> soil) : heights_(std::move(heights)), soil_(std::move(soil)) {
+    GridSurface(Grid<double> heights, std::vector<SoilId> soil, DiagonalRule rule)
+        : heights_(std::move(heights)), diagonals_(heights_, rule), soil_(std::move(soil)) {
         if (heights_.shape.columns < 2 || heights_.shape.rows < 2)
             throw InputError("the terrain has " + std::to_string(heights_.shape.columns) + " x " +
                              std::to_string(heights_.shape.rows) +
@@ -38,8 +39,7 @@ public:
         const Vec2 u = (p - node2(0, 0)) / heights_.shape.cell;
         const int i = std::min(static_cast<int>(u.x()), heights_.shape.columns - 2);
         const int j = std::min(static_cast<int>(u.y()), heights_.shape.rows - 2);
-        const std::int64_t f = facet_number(i, j) + ((u.x() - i) + (u.y() - j) > 1.0 ? 1 : 0);
-        return valid(f) ? f : -1;
+        return facet_or_none(i, j, diagonals_.half_at(i, j, u.x() - i, u.y() - j));
     }
 
     void gather(const Box2& box, TerrainPatch& patch) const override;
@@ -59,40 +59,54 @@ private:
         return {p.x(), p.y(), heights_.at(i, j)};
     }
     bool facet_of_cell(int i, int j, std::int64_t f, std::array<Vec3, 3>& corners, SoilId& soil) const {
-        corners = f % 2 == 0 ? std::array{node(i, j), node(i + 1, j), node(i, j + 1)}
-                             : std::array{node(i + 1, j), node(i + 1, j + 1), node(i, j + 1)};
+        const Diagonals::Corners& steps = diagonals_.corners(i, j, static_cast<int>(f % 2));
+        for (std::size_t k = 0; k < 3; ++k) corners[k] = node(i + steps[k].first, j + steps[k].second);
         soil = soil_[static_cast<std::size_t>(f)];
         return std::isfinite(corners[0].z() + corners[1].z() + corners[2].z());
     }
     std::int64_t facet_number(int i, int j) const {
         return 2 * (static_cast<std::int64_t>(j) * (heights_.shape.columns - 1) + i);
     }
-    bool valid(std::int64_t f) const {
-        std::array<Vec3, 3> corners;
-        SoilId soil = 0;
-        return facet(f, corners, soil);
-    }
+    using Node = std::pair<int, int>;
+    /// An edge from a to b, with the facets on its two sides (-1: none there) and their third nodes.
+    struct Edge {
+        Node a, b, left, right;
+        std::int64_t left_facet, right_facet;
+    };
+    /// The three edges that belong to node (i, j): to the east, to the north, and the diagonal of the square north-east of it.
+    std::array<Edge, 3> edges_of(int i, int j) const;
+    /// Whether it may be convex, by heights alone.
+    bool is_raised(const Edge& e) const;
     void gather_edges(int i, int j, TerrainPatch& patch) const;
-    void add_edge(std::pair<int, int> a, std::pair<int, int> b, std::pair<int, int> left, std::pair<int, int> right,
-                  std::int64_t left_facet, std::int64_t right_facet, std::int64_t id, TerrainPatch& patch) const;
     void gather_node(int i, int j, TerrainPatch& patch) const;
     void gather_rim(int i, int j, TerrainPatch& patch) const;
     void gather_rim_node(int i, int j, TerrainPatch& patch) const;
-    /// Number of half 0 or 1 of a cell, -1 if it is a hole or outside.
+    /// Number of half 0 or 1 of a square, -1 if it is a hole or outside.
     std::int64_t facet_or_none(int i, int j, int half) const {
         if (i < 0 || j < 0 || i + 1 >= heights_.shape.columns || j + 1 >= heights_.shape.rows) return -1;
-        const double third = half == 0 ? heights_.at(i, j) : heights_.at(i + 1, j + 1);
-        return std::isfinite(third + heights_.at(i + 1, j) + heights_.at(i, j + 1)) ? facet_number(i, j) + half : -1;
+        double sum = 0.0;
+        for (const auto& [di, dj] : diagonals_.corners(i, j, half)) sum += heights_.at(i + di, j + dj);
+        return std::isfinite(sum) ? facet_number(i, j) + half : -1;
     }
-    /// The six neighbours of a node, counter-clockwise from the east.
-    static constexpr std::array<std::pair<int, int>, 6> kRing{{{1, 0}, {0, 1}, {-1, 1}, {-1, 0}, {0, -1}, {1, -1}}};
-    /// The facet counter-clockwise of each of them, -1 where there is none.
-    std::array<std::int64_t, 6> facets_around(int i, int j) const {
-        return {facet_or_none(i, j, 0),         facet_or_none(i - 1, j, 1), facet_or_none(i - 1, j, 0),
-                facet_or_none(i - 1, j - 1, 1), facet_or_none(i, j - 1, 0), facet_or_none(i, j - 1, 1)};
+    bool has_square(int i, int j) const {
+        return i >= 0 && j >= 0 && i + 1 < heights_.shape.columns && j + 1 < heights_.shape.rows;
     }
+    /// The neighbours of a node that edges lead to, counter-clockwise from the east, and the facet counter-clockwise of each (-1 where there is none).
+    struct Ring {
+        std::array<Node, 8> to;
+        std::array<std::int64_t, 8> facet;
+        std::size_t count = 0;
+
+        void add(int i, int j, std::int64_t f) {
+            to[count] = {i, j};
+            facet[count++] = f;
+        }
+        const Node& node(std::size_t k) const { return to[k % count]; }
+    };
+    Ring ring_of(int i, int j) const;
 
     Grid<double> heights_;
+    Diagonals diagonals_;
     std::vector<SoilId> soil_;
 };
 
@@ -172,99 +186,117 @@ void GridSurface::gather(const Box2& box, TerrainPatch& patch) const {
     }
 }
 
-// The three edges that start at node (i, j): east, north, and the diagonal from (i, j+1) to (i+1, j). Each is a diagonal of a parallelogram of nodes: it
-// is convex only if its ends lie above the other two.
-void GridSurface::gather_edges(int i, int j, TerrainPatch& patch) const {
-    const GridShape& shape = heights_.shape;
-    const std::int64_t id = 3 * static_cast<std::int64_t>(shape.index(i, j));
-    const double* z = &heights_.at(i, j);
-    const std::ptrdiff_t up = shape.columns;
-    const bool east = i + 1 < shape.columns, north = j + 1 < shape.rows;
-    if (east && north && j > 0 && z[0] + z[1] > z[up] + z[1 - up])
-        add_edge({i, j}, {i + 1, j}, {i, j + 1}, {i + 1, j - 1}, facet_number(i, j), facet_number(i, j - 1) + 1, id,
-                 patch);
-    if (east && north && i > 0 && z[0] + z[up] > z[up - 1] + z[1])
-        add_edge({i, j}, {i, j + 1}, {i - 1, j + 1}, {i + 1, j}, facet_number(i - 1, j) + 1, facet_number(i, j), id + 1,
-                 patch);
-    if (east && north && z[1] + z[up] > z[0] + z[up + 1])
-        add_edge({i + 1, j}, {i, j + 1}, {i, j}, {i + 1, j + 1}, facet_number(i, j), facet_number(i, j) + 1, id + 2,
-                 patch);
+std::array<GridSurface::Edge, 3> GridSurface::edges_of(int i, int j) const {
+    const Node here{i, j}, east{i + 1, j}, north{i, j + 1}, beyond{i + 1, j + 1};
+    const auto rises = [&](int a, int b) { return has_square(a, b) && diagonals_.rises(a, b); };
+    const bool own = rises(i, j), south = rises(i, j - 1), west = rises(i - 1, j);
+    const Edge diagonal = own ? Edge{here, beyond, north, east, facet_or_none(i, j, 1), facet_or_none(i, j, 0)}
+                              : Edge{east, north, here, beyond, facet_or_none(i, j, 0), facet_or_none(i, j, 1)};
+    return {Edge{here, east, own ? beyond : north, south ? Node{i, j - 1} : Node{i + 1, j - 1}, facet_or_none(i, j, 0),
+                 facet_or_none(i, j - 1, 1)},
+            Edge{here, north, west ? Node{i - 1, j} : Node{i - 1, j + 1}, own ? beyond : east,
+                 facet_or_none(i - 1, j, west ? 0 : 1), facet_or_none(i, j, own ? 1 : 0)},
+            diagonal};
 }
 
-void GridSurface::add_edge(std::pair<int, int> a, std::pair<int, int> b, std::pair<int, int> left,
-                           std::pair<int, int> right, std::int64_t left_facet, std::int64_t right_facet,
-                           std::int64_t id, TerrainPatch& patch) const {
-    PatchEdge e;
-    e.a = node(a.first, a.second);
-    e.b = node(b.first, b.second);
-    e.beyond = {node(left.first, left.second), node(right.first, right.second)};
-    if (!is_crest((e.b - e.a).cross(e.beyond[0] - e.a), e.a, e.beyond[1])) return;
-    e.soil = {soil_[static_cast<std::size_t>(left_facet)], soil_[static_cast<std::size_t>(right_facet)]};
-    e.id = id;
-    patch.edges.push_back(e);
+// A third node lies beside one end of an edge along the grid, and the mean of both ends beside a diagonal: heights there tell whether the facets fall away.
+bool GridSurface::is_raised(const Edge& e) const {
+    const auto z = [&](const Node& n) { return heights_.at(n.first, n.second); };
+    const bool diagonal = e.a.first != e.b.first && e.a.second != e.b.second;
+    if (diagonal) return z(e.a) + z(e.b) > z(e.left) + z(e.right);
+    const auto beside = [&](const Node& third) {
+        return third.first == e.a.first || third.second == e.a.second ? z(e.a) : z(e.b);
+    };
+    return beside(e.left) + beside(e.right) > z(e.left) + z(e.right);
+}
+
+void GridSurface::gather_edges(int i, int j, TerrainPatch& patch) const {
+    const std::int64_t id = 3 * static_cast<std::int64_t>(heights_.shape.index(i, j));
+    const std::array<Edge, 3> edges = edges_of(i, j);
+    for (std::size_t k = 0; k < 3; ++k) {
+        const Edge& n = edges[k];
+        if (n.left_facet < 0 || n.right_facet < 0 || !is_raised(n)) continue;
+        PatchEdge e;
+        e.a = node(n.a.first, n.a.second);
+        e.b = node(n.b.first, n.b.second);
+        e.beyond = {node(n.left.first, n.left.second), node(n.right.first, n.right.second)};
+        if (!is_crest((e.b - e.a).cross(e.beyond[0] - e.a), e.a, e.beyond[1])) continue;
+        e.soil = {soil_[static_cast<std::size_t>(n.left_facet)], soil_[static_cast<std::size_t>(n.right_facet)]};
+        e.id = id + static_cast<std::int64_t>(k);
+        patch.edges.push_back(e);
+    }
+}
+
+GridSurface::Ring GridSurface::ring_of(int i, int j) const {
+    Ring ring;
+    const auto rises = [&](int a, int b) { return has_square(a, b) && diagonals_.rises(a, b); };
+    // of the squares in the north-east and south-west the rising diagonal ends here, of the other two the falling one
+    const bool ne = rises(i, j), nw = rises(i - 1, j), sw = rises(i - 1, j - 1), se = rises(i, j - 1);
+    ring.add(i + 1, j, facet_or_none(i, j, 0));
+    if (ne) ring.add(i + 1, j + 1, facet_or_none(i, j, 1));
+    ring.add(i, j + 1, facet_or_none(i - 1, j, nw ? 0 : 1));
+    if (!nw) ring.add(i - 1, j + 1, facet_or_none(i - 1, j, 0));
+    ring.add(i - 1, j, facet_or_none(i - 1, j - 1, 1));
+    if (sw) ring.add(i - 1, j - 1, facet_or_none(i - 1, j - 1, 0));
+    ring.add(i, j - 1, facet_or_none(i, j - 1, se ? 1 : 0));
+    if (!se) ring.add(i + 1, j - 1, facet_or_none(i, j - 1, 1));
+    return ring;
 }
 
 // A node can poke into a face only if at least three crests meet in it: its cone of normals then has an inside.
 void GridSurface::gather_node(int i, int j, TerrainPatch& patch) const {
     const GridShape& shape = heights_.shape;
     if (i == 0 || j == 0 || i + 1 == shape.columns || j + 1 == shape.rows) return;
-    const double* z = &heights_.at(i, j);
-    const std::ptrdiff_t up = shape.columns;
-    const std::array<double, 6> around{z[1], z[up], z[up - 1], z[-1], z[-up], z[1 - up]};
-    int crests = 0;
-    for (std::size_t k = 0; k < 6; ++k) crests += z[0] + around[k] > around[(k + 1) % 6] + around[(k + 5) % 6] ? 1 : 0;
-    if (crests < 3 || !std::isfinite(z[0] + std::accumulate(around.begin(), around.end(), 0.0))) return;
-    const std::array<std::int64_t, 6> facets = facets_around(i, j);
+    const Ring ring = ring_of(i, j);
+    if (std::find(ring.facet.begin(), ring.facet.begin() + ring.count, -1) != ring.facet.begin() + ring.count) return;
     const Vec3 centre = node(i, j);
-    std::array<Vec3, 6> spoke;
-    for (std::size_t k = 0; k < 6; ++k) spoke[k] = node(i + kRing[k].first, j + kRing[k].second) - centre;
-    crests = 0;
-    for (std::size_t k = 0; k < 6; ++k)
-        crests += is_crest(spoke[k].cross(spoke[(k + 1) % 6]), Vec3::Zero(), spoke[(k + 2) % 6]) ? 1 : 0;
+    std::array<Vec3, 8> spoke;
+    for (std::size_t k = 0; k < ring.count; ++k) spoke[k] = node(ring.to[k].first, ring.to[k].second) - centre;
+    const auto at = [&](std::size_t k) -> const Vec3& { return spoke[k % ring.count]; };
+    int crests = 0;
+    for (std::size_t k = 0; k < ring.count; ++k)
+        crests += is_crest(at(k).cross(at(k + 1)), Vec3::Zero(), at(k + 2)) ? 1 : 0;
     if (crests < 3) return;
     PatchNode n;
     n.position = centre;
     n.first = static_cast<std::int32_t>(patch.spokes.size());
-    n.count = 6;
+    n.count = static_cast<std::int32_t>(ring.count);
     n.id = static_cast<std::int64_t>(shape.index(i, j));
-    for (std::size_t k = 0; k < 6; ++k) patch.spokes.push_back({spoke[k], soil_[static_cast<std::size_t>(facets[k])]});
+    for (std::size_t k = 0; k < ring.count; ++k)
+        patch.spokes.push_back({spoke[k], soil_[static_cast<std::size_t>(ring.facet[k])]});
     patch.nodes.push_back(n);
 }
 
 // Where the terrain ends, outside or at a hole, it falls away like a wall: edges there are crests, nodes are tips.
 void GridSurface::gather_rim(int i, int j, TerrainPatch& patch) const {
     const std::int64_t id = 3 * static_cast<std::int64_t>(heights_.shape.index(i, j));
-    const std::int64_t east = facet_or_none(i, j, 0), diagonal = facet_or_none(i, j, 1),
-                       west = facet_or_none(i - 1, j, 1), south = facet_or_none(i, j - 1, 1);
-    auto add = [&](std::pair<int, int> a, std::pair<int, int> b, std::pair<int, int> left, std::pair<int, int> right,
-                   std::int64_t left_facet, std::int64_t right_facet, std::int64_t number) {
-        if ((left_facet < 0) == (right_facet < 0)) return;
-        const bool is_left = left_facet >= 0;
-        const auto& third = is_left ? left : right;
-        patch.edges.push_back(rim_edge(is_left ? node(a.first, a.second) : node(b.first, b.second),
-                                       is_left ? node(b.first, b.second) : node(a.first, a.second),
-                                       node(third.first, third.second),
-                                       soil_[static_cast<std::size_t>(is_left ? left_facet : right_facet)], number));
-    };
-    add({i, j}, {i + 1, j}, {i, j + 1}, {i + 1, j - 1}, east, south, id);
-    add({i, j}, {i, j + 1}, {i - 1, j + 1}, {i + 1, j}, west, east, id + 1);
-    add({i + 1, j}, {i, j + 1}, {i, j}, {i + 1, j + 1}, east, diagonal, id + 2);
+    const std::array<Edge, 3> edges = edges_of(i, j);
+    for (std::size_t k = 0; k < 3; ++k) {
+        const Edge& n = edges[k];
+        if ((n.left_facet < 0) == (n.right_facet < 0)) continue;
+        const bool is_left = n.left_facet >= 0;
+        const auto at = [&](const Node& p) { return node(p.first, p.second); };
+        patch.edges.push_back(rim_edge(at(is_left ? n.a : n.b), at(is_left ? n.b : n.a), at(is_left ? n.left : n.right),
+                                       soil_[static_cast<std::size_t>(is_left ? n.left_facet : n.right_facet)],
+                                       id + static_cast<std::int64_t>(k)));
+    }
     gather_rim_node(i, j, patch);
 }
 
 void GridSurface::gather_rim_node(int i, int j, TerrainPatch& patch) const {
-    const std::array<std::int64_t, 6> facets = facets_around(i, j);
-    const auto missing = std::count(facets.begin(), facets.end(), -1);
-    if (missing == 0 || missing == 6) return;
+    const Ring ring = ring_of(i, j);
+    const auto missing = static_cast<std::size_t>(
+        std::count(ring.facet.begin(), ring.facet.begin() + static_cast<std::ptrdiff_t>(ring.count), -1));
+    if (missing == 0 || missing == ring.count) return;
     PatchNode n;
     n.position = node(i, j);
     n.first = static_cast<std::int32_t>(patch.spokes.size());
     n.id = static_cast<std::int64_t>(heights_.shape.index(i, j));
-    for (std::size_t k = 0; k < 6; ++k) {
-        const std::int64_t after = facets[k], before = facets[(k + 5) % 6];
+    for (std::size_t k = 0; k < ring.count; ++k) {
+        const std::int64_t after = ring.facet[k], before = ring.facet[(k + ring.count - 1) % ring.count];
         if (after < 0 && before < 0) continue;
         const SoilId soil = soil_[static_cast<std::size_t>(after >= 0 ? after : before)];
-        patch.spokes.push_back({node(i + kRing[k].first, j + kRing[k].second) - n.position, soil});
+        patch.spokes.push_back({node(ring.to[k].first, ring.to[k].second) - n.position, soil});
         if (after < 0) patch.spokes.push_back({-Vec3::UnitZ(), soil});
     }
     n.count = static_cast<std::int32_t>(patch.spokes.size()) - n.first;
@@ -273,8 +305,8 @@ void GridSurface::gather_rim_node(int i, int j, TerrainPatch& patch) const {
 
 }  // namespace
 
-std::unique_ptr<Surface> make_grid_surface(Grid<double> heights, std::vector<SoilId> soil) {
-    return std::make_unique<GridSurface>(std::move(heights), std::move(soil));
+std::unique_ptr<Surface> make_grid_surface(Grid<double> heights, std::vector<SoilId> soil, DiagonalRule rule) {
+    return std::make_unique<GridSurface>(std::move(heights), std::move(soil), rule);
 }
 
 }  // namespace scree

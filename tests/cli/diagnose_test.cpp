@@ -449,12 +449,12 @@ TEST(Diagnose, TwoEffectsAreBothNamed) {
 
 TEST(Diagnose, InSpaceItHasMapsOfBeforeAndAfter) {
     const TempDir folder;
-    quarry_field_test_with(folder, "kind = \"rolling_size\"\nexponent = -2.0\n", 10, 3);
+    quarry_field_test_with(folder, "kind = \"rolling_size\"\nexponent = -1.4\n", 10, 3);
     const fs::path out = folder / "out";
     const Outcome run =
         diagnose(out,
                  {"--observed", (folder / "field").string(), "--set", "model.dimension=3", "--set",
-                  "diagnosis.reference_repeats=12", "--set", "diagnosis.wide_search=40", "--set", "calibration.folds=0",
+                  "diagnosis.reference_repeats=24", "--set", "diagnosis.wide_search=40", "--set", "calibration.folds=0",
                   "--set", "release.count=100", "--set", nothing_but({"rolling_size"})},
                  kFreeRestitution);
     ASSERT_EQ(run.code, 0) << run.err;

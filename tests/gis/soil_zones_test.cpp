@@ -3,6 +3,7 @@
 
 #include "gis/input_files.hpp"
 #include "scree/base/random.hpp"
+#include "scree/geometry/surface.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -93,6 +94,29 @@ TEST(SoilZones, MeshAndGridAgree) {
     EXPECT_NEAR(on_grid.report.divided_area, on_mesh.report.divided_area, 1e-9);
     // the bound holds: the assigned area differs from that of the polygon by less
     EXPECT_LT(std::abs(on_grid.report.area[0] - 0.5 * (6.9 * 7.0 - 1.2 * 5.1)), on_grid.report.divided_area);
+}
+
+// However squares are parted, soils have the numbers of the facets of the surface.
+TEST(SoilZones, FacetsAreNumberedAsThoseOfTheSurface) {
+    const SoilZones zones = zones_of({{{{1.3, 1.1}, {8.2, 1.1}, {1.3, 8.1}}, "rock"}});
+    Grid<double> grid = flat(10, 10);
+    for (int j = 0; j < 10; ++j)
+        for (int i = 0; i < 10; ++i) grid.at(i, j) = std::sin(5.0 * i + 3.0 * j * j);
+    grid.at(4, 3) = kNaN;
+    for (const DiagonalRule rule : {DiagonalRule::Alike, DiagonalRule::ByRelief}) {
+        const FacetSoils soils = assign_soils(zones, grid, rule);
+        const auto surface = make_grid_surface(grid, soils.soil, rule);
+        double area = 0.0;
+        for (std::int64_t f = 0; f < surface->facet_count(); ++f) {
+            std::array<Vec3, 3> corners;
+            SoilId soil = 0;
+            if (!surface->facet(f, corners, soil)) continue;
+            area += 0.5;
+            EXPECT_EQ(soil, zones.soil_at(((corners[0] + corners[1] + corners[2]) / 3.0).head<2>())) << f;
+        }
+        EXPECT_NEAR(soils.report.area[0] + soils.report.area[1] + soils.report.area[2], area, 1e-9);
+        EXPECT_EQ(area, 81.0 - (rule == DiagonalRule::Alike ? 3.0 : 2.0));
+    }
 }
 
 TEST(SoilZones, HolesInTheTerrainCountForNothing) {

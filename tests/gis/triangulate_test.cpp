@@ -130,6 +130,32 @@ TEST(ConformGrid, SurfaceStaysTheSameAndFacetsLieOnOneSide) {
     expect_respects(t.mesh, c, d, 0.01);
 }
 
+// Parted by relief the facets are others, and lines are cut where they cross their edges, along both diagonals.
+TEST(ConformGrid, FollowsTheDiagonalsOfTheGrid) {
+    Grid<double> grid =
+        grid_of(40, 30, [](double x, double y) { return hills(x, y) + 0.5 * std::sin(37 * x * y); });
+    grid.at(20, 20) = kNaN;
+    const GridLattice lattice(grid, DiagonalRule::ByRelief);
+    const Triangulation t = conform_grid(
+        grid, {{{103.37, 204.91}, {131.2, 226.4}}, {{104.5, 221.8}, {137.1, 203.3}}, {{110.0, 215.0}, {111.0, 214.0}}},
+        DiagonalRule::ByRelief);
+    EXPECT_NEAR(expect_sound(t.mesh), 39.0 * 29.0 - 2.0, 1e-9);  // a square keeps three of its nodes
+    EXPECT_EQ(rim_edges(t.mesh), 2u * (39 + 29) + 4);            // no cracks
+    int rising = 0;
+    for (int j = 0; j < 29; ++j)
+        for (int i = 0; i < 39; ++i) rising += lattice.diagonals().rises(i, j);
+    EXPECT_GT(rising, 300);
+    EXPECT_LT(rising, 39 * 29 - 300);
+    for (const auto& f : t.mesh.facets) {
+        const Vec3 middle =
+            (t.mesh.vertices[static_cast<std::size_t>(f[0])] + t.mesh.vertices[static_cast<std::size_t>(f[1])] +
+             t.mesh.vertices[static_cast<std::size_t>(f[2])]) /
+            3.0;
+        const Vec2 uv = lattice.to_lattice(middle.head<2>());
+        EXPECT_NEAR(middle.z(), lattice.height(lattice.facet_at(uv), uv), 1e-9);
+    }
+}
+
 TEST(ConformGrid, HolesKeepCompleteFacets) {
     Grid<double> grid = grid_of(10, 10, hills);
     grid.at(4, 4) = kNaN;

@@ -9,6 +9,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <span>
 
 namespace scree::test {
@@ -102,6 +103,98 @@ TEST(Surface, GridAndMeshAgreeOnRoughTerrain) {
         EXPECT_EQ(grid->facet_at(p), mesh->facet_at(p));
         if (grid->facet_at(p) < 0) continue;
         EXPECT_NEAR(grid->height(p), mesh->height(p), 1e-12);
+    }
+}
+
+namespace {
+
+/// Nodes a metre apart at x, y = -half ... half.
+Grid<double> grid_of(int half, const std::function<double(double, double)>& height) {
+    Grid<double> grid({2 * half + 1, 2 * half + 1, 1.0, {-half - 0.5, -half - 0.5}});
+    for (int j = 0; j <= 2 * half; ++j)
+        for (int i = 0; i <= 2 * half; ++i) grid.at(i, j) = height(i - half, j - half);
+    return grid;
+}
+
+std::unique_ptr<Surface> by_relief(const Grid<double>& grid) {
+    return make_grid_surface(grid, std::vector<SoilId>(grid_facet_count(grid.shape), 0), DiagonalRule::ByRelief);
+}
+
+/// Heights of +-0.3 m on a slope to the east; the same wherever it is asked.
+double rough(double x, double y) {
+    return rough_slope(20 * kDegree, 0.3)(x, y);
+}
+
+}  // namespace
+
+// A gully and a ridge keep their lines whichever way they go; parted alike, dams stand in one of the two.
+TEST(SurfaceByRelief, GulliesAndRidgesKeepTheirLines) {
+    for (const double sign : {1.0, -1.0})
+        for (const double way : {1.0, -1.0}) {
+            const auto surface =
+                by_relief(grid_of(5, [&](double x, double y) { return sign * std::abs(x - way * y); }));
+            for (double s = -4.9; s < 5.0; s += 0.1) {
+                EXPECT_NEAR(surface->height(Vec2(way * s, s)), 0.0, 1e-12) << sign << " " << way << " " << s;
+                if (s < 4.4) {
+                    EXPECT_NEAR(surface->height(Vec2(way * s, s + 0.5)), 0.5 * sign, 1e-12);
+                }
+            }
+        }
+}
+
+// A terrain that is mirrored or turned by 90 degrees is the mirrored or turned surface.
+TEST(SurfaceByRelief, HasNoGrain) {
+    const auto surface = by_relief(grid_of(8, rough));
+    const auto mirrored = by_relief(grid_of(8, [](double x, double y) { return rough(-x, y); }));
+    const auto turned = by_relief(grid_of(8, [](double x, double y) { return rough(y, -x); }));
+    const auto alike = make_grid_surface(grid_of(8, [](double x, double y) { return rough(-x, y); }),
+                                         std::vector<SoilId>(2 * 16 * 16, 0));
+    RandomStream random(52, 1, RandomPurpose::Effect);
+    double grain = 0.0;
+    for (int k = 0; k < 2000; ++k) {
+        const double x = random.uniform(-8.0, 8.0), y = random.uniform(-8.0, 8.0);
+        EXPECT_NEAR(surface->height(Vec2(x, y)), mirrored->height(Vec2(-x, y)), 1e-12);
+        EXPECT_NEAR(surface->height(Vec2(x, y)), turned->height(Vec2(-y, x)), 1e-12);
+        grain = std::max(grain, std::abs(surface->height(Vec2(x, y)) - alike->height(Vec2(-x, y))));
+    }
+    EXPECT_GT(grain, 0.1) << "or the test says nothing";
+}
+
+// Facets, crests, tips and rims are those of the same triangles as a mesh, with holes as without.
+TEST(SurfaceByRelief, IsTheSameAsAMesh) {
+    for (const bool holes : {false, true}) {
+        const auto grid = by_relief(grid_of(6, [&](double x, double y) {
+            const bool hole =
+                holes && ((x == 1.0 && y == 2.0) || (x == -3.0 && std::abs(y) < 1.5) || (x == 4.0 && y == 4.0));
+            return hole ? kNaN : rough(x, y);
+        }));
+        const auto mesh = make_mesh_surface(mesh_of(*grid));
+        EXPECT_EQ(mesh->facet_count() < grid->facet_count(), holes);
+        TerrainPatch a, b;
+        grid->gather(Box2{{-9, -9}, {9, 9}}, a);
+        mesh->gather(Box2{{-9, -9}, {9, 9}}, b);
+        EXPECT_EQ(a.facets.size(), b.facets.size());
+        EXPECT_EQ(a.edges.size(), b.edges.size());
+        EXPECT_EQ(a.nodes.size(), b.nodes.size());
+        EXPECT_GT(a.edges.size(), 100u);
+        EXPECT_GT(a.nodes.size(), 5u);
+        const auto sum_of = [](const TerrainPatch& p) {
+            Vec3 sum = Vec3::Zero();
+            for (const PatchEdge& e : p.edges) sum += e.a + e.b + e.beyond[0] + e.beyond[1];
+            for (const PatchNode& n : p.nodes) sum += n.position;
+            for (const PatchSpoke& s : p.spokes) sum += s.edge.cwiseAbs();
+            return sum;
+        };
+        EXPECT_LT((sum_of(a) - sum_of(b)).norm(), 1e-9);
+        RandomStream random(52, 1, RandomPurpose::Effect);
+        for (int k = 0; k < 1000; ++k) {
+            const double x = random.uniform(-6.2, 6.2), y = random.uniform(-6.2, 6.2);
+            const Vec2 p(x, y);
+            ASSERT_EQ(grid->facet_at(p) < 0, mesh->facet_at(p) < 0);
+            if (grid->facet_at(p) >= 0) {
+                EXPECT_NEAR(grid->height(p), mesh->height(p), 1e-12);
+            }
+        }
     }
 }
 

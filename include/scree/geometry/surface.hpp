@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include "scree/geometry/grid.hpp"
+#include "scree/geometry/diagonals.hpp"
 #include "scree/geometry/triangle_mesh.hpp"
 #include "scree/geometry/types.hpp"
 
@@ -130,10 +130,11 @@ public:
 /// at most angle x cell, which is what makes it small.
 inline constexpr double kCrestAngle = 1e-4;
 
-/// Two facets a cell: the nodes are the CENTRES of the grid's cells, cell (i, j) of nodes is split along (i+1, j)-(i, j+1).
-/// Facet 2 (j (columns - 1) + i) has the corners (i, j), (i+1, j), (i, j+1); the next one (i+1, j), (i+1, j+1), (i, j+1).
+/// Two facets a cell: the nodes are the CENTRES of the grid's cells, and square (i, j) of nodes is parted along one of its Diagonals.
+/// Facet 2 (j (columns - 1) + i) is its southern half, the next one its northern half.
 /// A facet with a NaN corner is a hole. `soil` has one entry per facet.
-std::unique_ptr<Surface> make_grid_surface(Grid<double> heights, std::vector<SoilId> soil);
+std::unique_ptr<Surface> make_grid_surface(Grid<double> heights, std::vector<SoilId> soil,
+                                           DiagonalRule rule = DiagonalRule::Alike);
 
 /// Any triangles. Throws InputError where facets fold over or have no area in plan view.
 std::unique_ptr<Surface> make_mesh_surface(TriangleMesh mesh);
