@@ -2,7 +2,7 @@
 // What is recorded of a motion.
 #include "ensemble/path_recorder.hpp"
 
-#include "support/terrains.hpp"
+#include "support/scenes.hpp"
 
 #include <gtest/gtest.h>
 
