@@ -132,8 +132,7 @@ TEST(ConformGrid, SurfaceStaysTheSameAndFacetsLieOnOneSide) {
 
 // Parted by relief the facets are others, and lines are cut where they cross their edges, along both diagonals.
 TEST(ConformGrid, FollowsTheDiagonalsOfTheGrid) {
-    Grid<double> grid =
-        grid_of(40, 30, [](double x, double y) { return hills(x, y) + 0.5 * std::sin(37 * x * y); });
+    Grid<double> grid = grid_of(40, 30, [](double x, double y) { return hills(x, y) + 0.5 * std::sin(37 * x * y); });
     grid.at(20, 20) = kNaN;
     const GridLattice lattice(grid, DiagonalRule::ByRelief);
     const Triangulation t = conform_grid(
