@@ -64,12 +64,6 @@ private:
         return lattice_.valid(2 * (j * (lattice_.columns() - 1) + i) + half);
     }
 
-    bool has_square(int i, int j) const {
-        return i >= 0 && j >= 0 && i < lattice_.columns() - 1 && j < lattice_.rows() - 1;
-    }
-    bool rises(int i, int j) const { return has_square(i, j) && lattice_.diagonals().rises(i, j); }
-    int western(int i, int j) const { return rises(i, j) ? 1 : 0; }
-
     GridLattice lattice_;
     double tolerance_;             // [m]
     ConstrainedDelaunay plane_;    // in lattice coordinates
@@ -98,21 +92,27 @@ void TinBuilder::add_rim() {
     for (int i = 0; i < columns; ++i) {
         runs(
             rows - 1, [&](int k) { return Vec2(i, k); },
-            [&](int k) { return facet_valid(i, k, western(i, k)) != facet_valid(i - 1, k, 1 - western(i - 1, k)); });
+            [&](int k) {
+                return facet_valid(i, k, lattice_.diagonals().western(i, k)) !=
+                       facet_valid(i - 1, k, 1 - lattice_.diagonals().western(i - 1, k));
+            });
     }
     // diagonals from (s - k, k) to (s - k - 1, k + 1), through the squares (s - k - 1, k)
     for (int s = 1; s <= columns + rows - 3; ++s) {
         runs(
             rows - 1, [&](int k) { return Vec2(s - k, k); },
             [&](int k) {
-                return !rises(s - k - 1, k) && facet_valid(s - k - 1, k, 0) != facet_valid(s - k - 1, k, 1);
+                return !lattice_.diagonals().rises(s - k - 1, k) &&
+                       facet_valid(s - k - 1, k, 0) != facet_valid(s - k - 1, k, 1);
             });
     }
     // and from (s + k, k) to (s + k + 1, k + 1)
     for (int s = 2 - rows; s <= columns - 2; ++s) {
         runs(
             rows - 1, [&](int k) { return Vec2(s + k, k); },
-            [&](int k) { return rises(s + k, k) && facet_valid(s + k, k, 0) != facet_valid(s + k, k, 1); });
+            [&](int k) {
+                return lattice_.diagonals().rises(s + k, k) && facet_valid(s + k, k, 0) != facet_valid(s + k, k, 1);
+            });
     }
 }
 

@@ -21,19 +21,17 @@ double bend(double a, double b, double c, double d) {
 }  // namespace
 
 Diagonals::Diagonals(const Grid<double>& heights, DiagonalRule rule)
-    : squares_(std::max(heights.shape.columns - 1, 0)) {
-    const int rows = std::max(heights.shape.rows - 1, 0);
-    rises_.resize(static_cast<std::size_t>(squares_) * static_cast<std::size_t>(rows));
+    : rises_({std::max(heights.shape.columns - 1, 0), std::max(heights.shape.rows - 1, 0), heights.shape.cell,
+              heights.shape.centre(0, 0)}) {
     if (rule == DiagonalRule::Alike) return;
     const auto z = [&](int i, int j) { return heights.shape.contains(i, j) ? heights.at(i, j) : kNaN; };
-    for (int j = 0; j < rows; ++j)
-        for (int i = 0; i < squares_; ++i) {
+    for (int j = 0; j < rises_.shape.rows; ++j)
+        for (int i = 0; i < rises_.shape.columns; ++i) {
             const double sw = z(i, j), se = z(i + 1, j), nw = z(i, j + 1), ne = z(i + 1, j + 1);
             bool rise = bend(z(i - 1, j - 1), sw, ne, z(i + 2, j + 2)) < bend(z(i - 1, j + 2), nw, se, z(i + 2, j - 1));
             if (std::isnan(se) || std::isnan(nw)) rise = true;
             if (std::isnan(sw) || std::isnan(ne)) rise = false;
-            rises_[static_cast<std::size_t>(j) * static_cast<std::size_t>(squares_) + static_cast<std::size_t>(i)] =
-                rise;
+            rises_.at(i, j) = rise;
         }
 }
 

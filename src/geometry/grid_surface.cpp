@@ -88,9 +88,6 @@ private:
         for (const auto& [di, dj] : diagonals_.corners(i, j, half)) sum += heights_.at(i + di, j + dj);
         return std::isfinite(sum) ? facet_number(i, j) + half : -1;
     }
-    bool has_square(int i, int j) const {
-        return i >= 0 && j >= 0 && i + 1 < heights_.shape.columns && j + 1 < heights_.shape.rows;
-    }
     /// The neighbours of a node that edges lead to, counter-clockwise from the east, and the facet counter-clockwise of each (-1 where there is none).
     struct Ring {
         std::array<Node, 8> to;
@@ -101,7 +98,6 @@ private:
             to[count] = {i, j};
             facet[count++] = f;
         }
-        const Node& node(std::size_t k) const { return to[k % count]; }
     };
     Ring ring_of(int i, int j) const;
 
@@ -188,8 +184,7 @@ void GridSurface::gather(const Box2& box, TerrainPatch& patch) const {
 
 std::array<GridSurface::Edge, 3> GridSurface::edges_of(int i, int j) const {
     const Node here{i, j}, east{i + 1, j}, north{i, j + 1}, beyond{i + 1, j + 1};
-    const auto rises = [&](int a, int b) { return has_square(a, b) && diagonals_.rises(a, b); };
-    const bool own = rises(i, j), south = rises(i, j - 1), west = rises(i - 1, j);
+    const bool own = diagonals_.rises(i, j), south = diagonals_.rises(i, j - 1), west = diagonals_.rises(i - 1, j);
     const Edge diagonal = own ? Edge{here, beyond, north, east, facet_or_none(i, j, 1), facet_or_none(i, j, 0)}
                               : Edge{east, north, here, beyond, facet_or_none(i, j, 0), facet_or_none(i, j, 1)};
     return {Edge{here, east, own ? beyond : north, south ? Node{i, j - 1} : Node{i + 1, j - 1}, facet_or_none(i, j, 0),
@@ -229,9 +224,9 @@ void GridSurface::gather_edges(int i, int j, TerrainPatch& patch) const {
 
 GridSurface::Ring GridSurface::ring_of(int i, int j) const {
     Ring ring;
-    const auto rises = [&](int a, int b) { return has_square(a, b) && diagonals_.rises(a, b); };
     // of the squares in the north-east and south-west the rising diagonal ends here, of the other two the falling one
-    const bool ne = rises(i, j), nw = rises(i - 1, j), sw = rises(i - 1, j - 1), se = rises(i, j - 1);
+    const bool ne = diagonals_.rises(i, j), nw = diagonals_.rises(i - 1, j), sw = diagonals_.rises(i - 1, j - 1),
+               se = diagonals_.rises(i, j - 1);
     ring.add(i + 1, j, facet_or_none(i, j, 0));
     if (ne) ring.add(i + 1, j + 1, facet_or_none(i, j, 1));
     ring.add(i, j + 1, facet_or_none(i - 1, j, nw ? 0 : 1));

@@ -6,7 +6,6 @@
 #include <array>
 #include <cstdint>
 #include <utility>
-#include <vector>
 
 namespace scree {
 
@@ -23,11 +22,8 @@ public:
     Diagonals() = default;
     Diagonals(const Grid<double>& heights, DiagonalRule rule);
 
-    /// The diagonal of square (i, j) goes from node (i, j) to (i+1, j+1); else from (i+1, j) to (i, j+1).
-    bool rises(int i, int j) const {
-        return rises_[static_cast<std::size_t>(j) * static_cast<std::size_t>(squares_) + static_cast<std::size_t>(i)] !=
-               0;
-    }
+    /// The diagonal of square (i, j) goes from node (i, j) to (i+1, j+1); else, and outside of the grid, from (i+1, j) to (i, j+1).
+    bool rises(int i, int j) const { return rises_.shape.contains(i, j) && rises_.at(i, j) != 0; }
     /// Nodes of the southern (half 0) or northern (1) facet, counter-clockwise, as steps (di, dj) from node (i, j).
     using Corners = std::array<std::pair<int, int>, 3>;
     const Corners& corners(int i, int j, int half) const {
@@ -42,8 +38,7 @@ private:
     static constexpr std::array<std::array<Corners, 2>, 2> kCorners{
         {{{{{{0, 0}, {1, 0}, {0, 1}}}, {{{1, 0}, {1, 1}, {0, 1}}}}},
          {{{{{0, 0}, {1, 0}, {1, 1}}}, {{{0, 0}, {1, 1}, {0, 1}}}}}}};
-    int squares_ = 0;                  ///< in a row [-]
-    std::vector<std::uint8_t> rises_;  ///< by square
+    Grid<std::uint8_t> rises_;  ///< by square
 };
 
 }  // namespace scree
