@@ -9,6 +9,7 @@
 #include <cmath>
 #include <map>
 #include <numbers>
+#include <set>
 
 namespace scree {
 
@@ -43,26 +44,25 @@ double mean_distance(const PointSample& points) {
 constexpr double kLeastSpread = 0.05;
 constexpr double kNoSpread = 1e-6;  // where all that was measured is alike, too [unit of the values]
 
-/// What members say of one more of them, column by column: of numbers Student's distribution, as if they were normal with unknown mean and variance; of shares
-/// the share itself, half a member added on either side.
-class Likelihood {
+/// Minus the logarithm of what members say of one more of them, column by column: of numbers Student's distribution, as if they were normal with unknown mean
+/// and variance; of shares the share itself, half a member added on either side.
+class LogForecast {
 public:
-    Likelihood(const PointSample& members, bool share, const std::vector<double>& least_spread)
+    LogForecast(const PointSample& members, bool share, const std::vector<double>& least_spread)
         : share_(share), n_(static_cast<double>(members.size())) {
         for (std::size_t c = 0; c < members.dimension; ++c) {
             double sum = 0.0, squares = 0.0;
             for (std::size_t m = 0; m < members.size(); ++m) sum += members[m][c];
             const double mean = sum / n_;
             for (std::size_t m = 0; m < members.size(); ++m) squares += (members[m][c] - mean) * (members[m][c] - mean);
-            const double deviation = std::max(std::sqrt(squares / (n_ - 1.0)), least_spread[c]),
-                         scale = deviation * std::sqrt(1.0 + 1.0 / n_), freedom = n_ - 1.0;
-            mean_.push_back(share ? (sum + 0.5) / (n_ + 1.0) : mean);
-            scale_.push_back(scale);
-            at_mean_.push_back(std::lgamma(0.5 * freedom) - std::lgamma(0.5 * (freedom + 1.0)) +
-                               0.5 * std::log(freedom * std::numbers::pi) + std::log(scale));
+            const double deviation = std::max(std::sqrt(squares / (n_ - 1.0)), least_spread[c]);
+            add_column(share ? (sum + 0.5) / (n_ + 1.0) : mean, deviation * std::sqrt(1.0 + 1.0 / n_));
         }
     }
-    /// Minus the logarithm of the likelihood.
+    /// Where too few say anything: as wide as measured values are far from nothing, and with as little sureness as the fewest members have.
+    explicit LogForecast(const std::vector<double>& far) : share_(false), n_(static_cast<double>(kLeastRepeats)) {
+        for (const double f : far) add_column(0.0, f);
+    }
     double loss(std::span<const double> observation) const {
         double loss = 0.0;
         for (std::size_t c = 0; c < observation.size(); ++c) {
@@ -77,6 +77,14 @@ public:
     }
 
 private:
+    void add_column(double mean, double scale) {
+        const double freedom = n_ - 1.0;
+        mean_.push_back(mean);
+        scale_.push_back(scale);
+        at_mean_.push_back(std::lgamma(0.5 * freedom) - std::lgamma(0.5 * (freedom + 1.0)) +
+                           0.5 * std::log(freedom * std::numbers::pi) + std::log(scale));
+    }
+
     bool share_;
     double n_;
     std::vector<double> mean_, scale_, at_mean_;  ///< per column; the loss at the mean
@@ -127,9 +135,13 @@ double yardstick(const PointSample& measured, bool share) {
     return sum;
 }
 
+/// A motion of known blocks at a screen, that counts as none where they have not passed it.
+bool is_motion_or_none(const Observable& observable) {
+    return observable.matched && !observable.share && observable.columns.front().place >= 0;
+}
+
 /// Stops and the zones that they are counted in are one place. Impacts that were filmed take no part.
 std::string place_of(const Observable& observable, const ObservationOperator& op) {
-    if (!observable.counts.empty() || observable.columns.empty()) return "stops";
     const Column& c = observable.columns.front();
     if (c.place < 0 || c.quantity == Quantity::InZone) return "stops";
     SCREE_ASSERT(!op.is_impact(c.place));
@@ -147,11 +159,6 @@ CalibrationLoss::CalibrationLoss(GapFunction function) : function_(std::move(fun
         part.observable = observable;
         const double length = observable.counts.empty() ? add_rows(part) : add_counts(part);
         if (part.records.size() < 2 || !(length > 0.0)) continue;
-        for (std::size_t c = 0; c < part.points.front().size(); ++c) {
-            std::vector<double> column;
-            for (const std::vector<double>& point : part.points) column.push_back(point[c]);
-            part.least_spread.push_back(std::max(kLeastSpread * 0.5 * mean_difference(column), kNoSpread));
-        }
         yardsticks.push_back(length);
         const std::string place = place_of(observable, function_.op());
         part.place = static_cast<std::size_t>(std::find(places_.begin(), places_.end(), place) - places_.begin());
@@ -163,6 +170,54 @@ CalibrationLoss::CalibrationLoss(GapFunction function) : function_(std::move(fun
         const double share = static_cast<double>(parts_[k].records.size()) / static_cast<double>(records_);
         parts_[k].weight = 1.0 / (share * yardsticks[k] * static_cast<double>(parts_.size()));
     }
+    find_likelihoods();
+}
+
+/// What the logarithmic score looks at: the parts, but of known blocks at a screen who passed, once, and how those moved that did: a distribution of numbers that
+/// are 0 for all who did not pass is like no normal one, and would reward to deny what is rare.
+void CalibrationLoss::find_likelihoods() {
+    const auto add = [&](Likelihood likelihood) {
+        const std::size_t columns = likelihood.observable.columns.size();
+        for (std::size_t c = 0; c < columns; ++c) {
+            std::vector<double> column;
+            double squares = 0.0;
+            for (const std::vector<double>& point : likelihood.points) {
+                column.push_back(point[c]);
+                squares += point[c] * point[c];
+            }
+            const double spread = column.size() > 1 ? kLeastSpread * 0.5 * mean_difference(column) : 0.0;
+            likelihood.least_spread.push_back(std::max(spread, kNoSpread));
+            likelihood.far.push_back(
+                std::max(std::sqrt(squares / static_cast<double>(column.size())), likelihood.least_spread.back()));
+        }
+        if (!likelihood.points.empty()) likelihoods_.push_back(std::move(likelihood));
+    };
+    std::set<std::int32_t> screens;  // of which it has been asked who passed
+    for (const Part& part : parts_) {
+        if (!is_motion_or_none(part.observable)) {
+            add({part.observable, part.observable.matched, part.records, part.points});
+            continue;
+        }
+        const Column passed{Quantity::Passed, part.observable.columns.front().place};
+        if (screens.insert(passed.place).second) {
+            Observable passing{"", "-", {passed}, true, true, false, {}};
+            add(with_measured({std::move(passing), true}));
+        }
+        Observable moving = part.observable;
+        moving.matched = false;  // nothing where a block did not pass
+        add(with_measured({std::move(moving), true}));
+    }
+}
+
+CalibrationLoss::Likelihood CalibrationLoss::with_measured(Likelihood likelihood) const {
+    const ObservationTable& measured = function_.measured();
+    for (std::size_t row = 0; row < measured.rows(); ++row) {
+        std::vector<double> point = point_of(measured, row, likelihood.observable);
+        if (point.empty() || (likelihood.of_block && measured.block[row] < 0)) continue;
+        likelihood.records.push_back(row);
+        likelihood.points.push_back(std::move(point));
+    }
+    return likelihood;
 }
 
 double CalibrationLoss::add_rows(Part& part) const {
@@ -228,40 +283,65 @@ std::vector<std::string> CalibrationLoss::observables() const {
     return names;
 }
 
-bool CalibrationLoss::add_scores(const Part& part, const ObservationTable& simulated, SimulatedLoss& loss) const {
-    const Observable& o = part.observable;
+/// Simulated values by block, -1: of all of them.
+static std::map<std::int32_t, PointSample> members_of(const Observable& o, bool of_block,
+                                                      const ObservationTable& simulated) {
     const std::vector<char> use =
         balanced_rows(simulated, o.columns.size() > 1 && !o.share ? kMostPoints : simulated.rows());
-    std::map<std::int32_t, PointSample> members;  // by block, or -1: the pool
+    std::map<std::int32_t, PointSample> members;
     for (std::size_t row = 0; row < simulated.rows(); ++row) {
         if (!use[row]) continue;
         const std::vector<double> point = point_of(simulated, row, o);
         if (point.empty()) continue;
-        PointSample& own = members[o.matched ? simulated.block[row] : -1];
+        PointSample& own = members[of_block ? simulated.block[row] : -1];
         own.dimension = o.columns.size();
         append(own, point);
     }
-    std::map<std::int32_t, std::pair<Forecast, Likelihood>> forecasts;
+    return members;
+}
+
+bool CalibrationLoss::add_scores(const Part& part, const ObservationTable& simulated, SimulatedLoss& loss) const {
+    const Observable& o = part.observable;
+    const std::map<std::int32_t, PointSample> members = members_of(o, o.matched, simulated);
+    std::map<std::int32_t, Forecast> forecasts;
     for (std::size_t k = 0; k < part.records.size(); ++k) {
         const std::int32_t block = o.matched ? function_.measured().block[part.records[k]] : -1;
         auto forecast = forecasts.find(block);
         if (forecast == forecasts.end()) {
             const auto own = members.find(block);
             if (own == members.end() || own->second.size() < kLeastRepeats) return false;
-            forecast = forecasts
-                           .try_emplace(block, Forecast(own->second, o.share),
-                                        Likelihood(own->second, o.share, part.least_spread))
-                           .first;
+            forecast = forecasts.try_emplace(block, own->second, o.share).first;
         }
-        const Score score = forecast->second.first.score(part.points[k]);
+        const Score score = forecast->second.score(part.points[k]);
         const std::size_t record = part.records[k];
         loss.loss[record] += part.weight * score.score;
         loss.floor[record] += part.weight * score.floor;
         loss.loss_at[part.place][record] += part.weight * score.score;
         loss.floor_at[part.place][record] += part.weight * score.floor;
-        loss.log_loss[record] += forecast->second.second.loss(part.points[k]);
     }
     return true;
+}
+
+void CalibrationLoss::add_log_scores(const Likelihood& likelihood, const ObservationTable& simulated,
+                                     std::vector<double>& log_loss) const {
+    const Observable& o = likelihood.observable;
+    const std::map<std::int32_t, PointSample> members = members_of(o, likelihood.of_block, simulated);
+    PointSample together{o.columns.size(), {}};
+    for (const auto& [block, own] : members) append(together, own.values);
+    const auto forecast_of = [&](std::int32_t block) {
+        if (const auto own = members.find(block); own != members.end() && own->second.size() >= kLeastRepeats)
+            return LogForecast(own->second, o.share, likelihood.least_spread);
+        if (together.size() >= kLeastRepeats) return LogForecast(together, o.share, likelihood.least_spread);
+        return LogForecast(likelihood.far);
+    };
+    std::map<std::int32_t, LogForecast> forecasts;
+    for (std::size_t k = 0; k < likelihood.records.size(); ++k) {
+        const std::size_t record = likelihood.records[k];
+        const std::int32_t block = likelihood.of_block ? function_.measured().block[record] : -1;
+        auto forecast = forecasts.find(block);
+        if (forecast == forecasts.end()) forecast = forecasts.emplace(block, forecast_of(block)).first;
+        log_loss[record] += forecast->second.loss(likelihood.points[k]);
+    }
 }
 
 SimulatedLoss CalibrationLoss::operator()(const CampaignResult& campaign, std::uint64_t seed) const {
@@ -271,6 +351,7 @@ SimulatedLoss CalibrationLoss::operator()(const CampaignResult& campaign, std::u
     SimulatedLoss loss{none, none, none_at, none_at, none};
     for (const Part& part : parts_)
         if (!add_scores(part, simulated, loss)) return {};
+    for (const Likelihood& likelihood : likelihoods_) add_log_scores(likelihood, simulated, loss.log_loss);
     return loss;
 }
 

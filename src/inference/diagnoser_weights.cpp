@@ -131,13 +131,15 @@ void Diagnoser::weigh(Diagnosis& d, std::vector<Hypothesis>& followed) const {
         }
         followed.erase(here);
     }
-    double left = std::min(d.score.q, left_without_);  // without any effect
+    // the score test knows no ranges: what parameters make up for in it counts within the noise of surveys, which keep to them
+    const double without = std::isfinite(left_without_) ? left_without_ : d.score.q;
+    double left = std::clamp(d.score.q, without - kQNoise, without);
     if (!followed.empty()) {
         const Hypothesis& best = followed.front();
         const std::optional<std::size_t> seen = best.from_given ? std::nullopt : nearest_fingerprint(best, d.score);
         if (seen) {
             const double z = std::max(d.score.z[static_cast<Eigen::Index>(*seen)], 0.0);
-            left = std::min(best.q + std::max(z * z, left - best.q - kQNoise), left_without_ + kQNoise);
+            left = std::clamp(best.q + z * z, without - kQNoise, without + kQNoise);
         } else {
             left = std::max(left, best.q);
         }

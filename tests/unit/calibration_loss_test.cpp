@@ -9,6 +9,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <numeric>
 
 namespace scree {
@@ -104,6 +105,8 @@ TEST(CalibrationLoss, IsOneGapIfNothingDiffersAndLeastAtTheTruth) {
         const SimulatedLoss at_truth = loss(campaign_of(0.0, 20), 1);
         EXPECT_EQ(at_truth.loss.size(), loss.records());
         EXPECT_THAT(loss.places(), ::testing::ElementsAre("stops", "screen"));
+        // of a pool who passed and how fast, both at the screen and as much each as where blocks stopped
+        EXPECT_NEAR(mean(at_truth.floor_at[1]) / mean(at_truth.floor_at[0]), matched ? 0.5 : 2.0, 0.3);
         ASSERT_EQ(at_truth.loss_at.size(), 2U);
         for (std::size_t k = 0; k < loss.records(); ++k) {
             EXPECT_NEAR(at_truth.loss_at[0][k] + at_truth.loss_at[1][k], at_truth.loss[k], 1e-12);
@@ -188,6 +191,89 @@ TEST(CalibrationLoss, TheLogarithmicScoreOfAShareIsNeverInfinite) {
     };
     EXPECT_THAT(log_loss(5.0), ::testing::Pointwise(::testing::DoubleNear(1e-12), {-std::log(0.7), -std::log(0.3)}));
     EXPECT_THAT(log_loss(20.0), ::testing::Pointwise(::testing::DoubleNear(1e-12), {-std::log(0.9), -std::log(0.1)}));
+}
+
+/// Known blocks that all stop at 30 m; of each the speed at which it passes the screen, 0 where it does not.
+Observations stopped_of(const std::vector<double>& speeds) {
+    Observations o;
+    o.matched = true;
+    for (std::size_t b = 0; b < speeds.size(); ++b) {
+        const auto block = static_cast<std::int32_t>(b);
+        o.blocks.push_back({std::to_string(b), 100.0, {1, 1, 1}, {kNaN, kNaN}});
+        ObservedStop stop;
+        stop.block = block;
+        stop.position = {30.0, 0.0, 0.0};
+        o.stops.push_back(stop);
+        if (!(speeds[b] > 0.0)) continue;
+        ObservedCrossing crossing;
+        crossing.block = block;
+        crossing.value = {speeds[b], 0.5, kNaN, kNaN, kNaN};
+        o.crossings.push_back(crossing);
+    }
+    return o;
+}
+
+/// Repeat after repeat the speed of each block, 0 where it does not pass.
+CampaignResult passing_of(const std::vector<std::vector<double>>& repeats) {
+    CampaignResult campaign;
+    for (const std::vector<double>& speeds : repeats)
+        for (const double speed : speeds) {
+            BlockResult block;
+            block.done = true;
+            block.reason = StopReason::AtRest;
+            block.stop = {30.0, 0.0, 0.0};
+            if (speed > 0.0) {
+                ScreenCrossing crossing;
+                crossing.block = static_cast<std::int64_t>(campaign.blocks.size());
+                crossing.velocity = {speed, 0.0, 0.0};
+                crossing.measured_speed = speed;
+                crossing.height = 0.5;
+                campaign.crossings.push_back(crossing);
+            }
+            campaign.blocks.push_back(block);
+        }
+    campaign.released = static_cast<std::int64_t>(campaign.blocks.size());
+    return campaign;
+}
+
+// Who passes is a share, told once whatever was measured there; how fast, a matter of those that pass.
+TEST(CalibrationLoss, TheLogarithmicScoreTellsPassingFromMotion) {
+    const CalibrationLoss loss(GapFunction(stopped_of({7.0, 0.0, 3.0}), test_operator()));
+    ASSERT_THAT(loss.observables(), ::testing::ElementsAre("speed at screen", "height at screen")) << "stops are alike";
+    const auto student = [](double n, double scale, double z) {
+        return std::log(scale) + std::lgamma(0.5 * (n - 1.0)) - std::lgamma(0.5 * n) +
+               0.5 * std::log((n - 1.0) * std::numbers::pi) + 0.5 * n * std::log1p(z * z / (n - 1.0));
+    };
+    const auto alike = [&](double n) { return student(n, 1e-6 * std::sqrt(1.0 + 1.0 / n), 0.0); };  // the heights
+    // of the first three of four pass, with mean 3 and variance 3; of the others too few for numbers of their own: those of all, 1, 4, 4 and 4
+    const std::vector<double> some =
+        loss(passing_of({{1.0, 0.0, 0.0}, {4.0, 0.0, 4.0}, {4.0, 0.0, 0.0}, {0.0, 0.0, 0.0}}), 1).log_loss;
+    ASSERT_EQ(some.size(), 3U);
+    EXPECT_NEAR(some[0], -std::log(3.5 / 5.0) + student(3.0, 2.0, 4.0 / 2.0) + alike(3.0), 1e-9);
+    EXPECT_NEAR(some[1], -std::log(4.5 / 5.0), 1e-12);
+    const double scale = 1.5 * std::sqrt(1.25);  // mean 3.25, variance 2.25
+    EXPECT_NEAR(some[2], -std::log(1.5 / 5.0) + student(4.0, scale, -0.25 / scale) + alike(4.0), 1e-9);
+    // of numbers that nobody simulates nothing is known but how large they are: the root of (49 + 9) / 2
+    const std::vector<double> nobody = loss(passing_of({4, {0.0, 0.0, 0.0}}), 1).log_loss;
+    EXPECT_NEAR(nobody[0],
+                -std::log(0.1) + student(3.0, std::sqrt(29.0), 7.0 / std::sqrt(29.0)) + student(3.0, 0.5, 1.0), 1e-9);
+    EXPECT_NEAR(nobody[1], -std::log(0.9), 1e-12);
+}
+
+// One block in twenty passes. Who denies it is right nineteen times, and loses all the same.
+TEST(CalibrationLoss, TheLogarithmicScoreDoesNotRewardToDenyWhatIsRare) {
+    constexpr std::size_t kMany = 20;
+    std::vector<double> speeds(kMany, 0.0);
+    speeds.front() = 12.0;
+    const CalibrationLoss loss(GapFunction(stopped_of(speeds), test_operator()));
+    const auto mean_with = [&](std::size_t passing) {  // so many of twenty repeats of every block
+        std::vector<std::vector<double>> repeats(kMany, std::vector<double>(kMany, 0.0));
+        for (std::size_t r = 0; r < passing; ++r)
+            for (std::size_t b = 0; b < kMany; ++b) repeats[r][b] = 12.0 + 1.5 * normal(kMany * r + b, 7);
+        return mean(loss(passing_of(repeats), 1).log_loss);
+    };
+    const double truth = mean_with(1);
+    for (const std::size_t passing : {0U, 3U, 10U, 20U}) EXPECT_GT(mean_with(passing), truth + 0.02) << passing;
 }
 
 TEST(CalibrationLoss, OfAPoolDiffersFromItsEnergyDistanceByAConstant) {

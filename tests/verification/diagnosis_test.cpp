@@ -92,6 +92,25 @@ TEST(Diagnosis, WithoutCandidatesWhatIsMissingHasNoName) {
     EXPECT_NEAR(d.weight_unnamed + d.weight_none, 1.0, 1e-12);
 }
 
+// Parameters beyond their ranges would explain who passes. Within them nothing does, and chance did not do it either.
+TEST(Diagnosis, DoesNotTakeForChanceWhatOnlyParametersBeyondTheirRangesExplain) {
+    const auto blocks = blocks_of_test();
+    const auto who_passes = [&](const DiagnosisTask& task) {
+        ObservationTable all = throw_blocks(blocks, task);
+        all.columns = {all.columns[1], all.columns[3]};
+        all.values = {all.values[1], all.values[3]};
+        return all;
+    };
+    DiagnosisProblem problem = problem_for(blocks, {});
+    problem.high = {0.45, 0.55};
+    for (std::uint64_t k = 0; k < 3; ++k) {
+        const Diagnosis d = diagnose(problem, who_passes({{0.3, 1.3}, {}, 60'000'000 + k, 1}), quick(k),
+                                     [&](const DiagnosisTask& t) { return std::optional(who_passes(t)); }, {});
+        EXPECT_EQ(d.verdict, Verdict::Unknown);
+        EXPECT_LT(d.weight_none, 0.05) << "the score test leaves " << d.score.q;
+    }
+}
+
 /// With records taken one by one the shares that pass would be 1, and what goes together in a block would count twice.
 TEST(Diagnosis, FindsNothingInAPoolWhereNothingIsHidden) {
     const auto blocks = blocks_of_test();

@@ -17,6 +17,9 @@ inline constexpr std::size_t kLeastOnPath = 5;
 /// Each observable is divided by half the mean difference of its measured values (for shares p (1-p) with half a block added on either side), so that it
 /// counts as much as any other whatever its unit, and by the number of observables. This yardstick is taken from the test alone: no model can move it. The
 /// mean loss of pooled observables is then, up to a constant that no parameter changes, their mean energy distance.
+///
+/// For decisions also the logarithmic score, -ln of the likelihood (Good 1952): shares are (k + 1/2) / (n + 1) where k of n repeats have it, numbers have
+/// Student's distribution. At a screen who passed counts once, and numbers are of those that passed.
 class CalibrationLoss {
 public:
     explicit CalibrationLoss(GapFunction function);
@@ -42,15 +45,28 @@ private:
         double weight = 0.0;                      ///< of its scores in the loss of a record [1 / unit of the values]
         std::vector<std::size_t> records;         ///< with a value of it [-]
         std::vector<std::vector<double>> points;  ///< their values [unit of the values]
-        std::vector<double> least_spread;         ///< that simulations are believed to have, per column [as above]
+    };
+    /// What counts in the logarithmic score: the likelihood of each record under what was simulated of its block, or of all.
+    struct Likelihood {
+        Observable observable;  ///< whose values count
+        bool of_block = false;
+        std::vector<std::size_t> records = {};         ///< with a value of it [-]
+        std::vector<std::vector<double>> points = {};  ///< their values [unit of the values]
+        std::vector<double> least_spread = {};         ///< that simulations are believed to have, per column [as above]
+        std::vector<double> far = {};  ///< root of the mean square of what was measured, per column [as above]
     };
     /// Fill records and points of a part, and return its yardstick.
     double add_rows(Part& part) const;
     double add_counts(Part& part);
+    void find_likelihoods();
+    Likelihood with_measured(Likelihood likelihood) const;
     bool add_scores(const Part& part, const ObservationTable& simulated, SimulatedLoss& loss) const;
+    void add_log_scores(const Likelihood& likelihood, const ObservationTable& simulated,
+                        std::vector<double>& log_loss) const;
 
     GapFunction function_;
     std::vector<Part> parts_;
+    std::vector<Likelihood> likelihoods_;
     std::size_t records_ = 0;
     std::vector<std::string> places_;
 };
