@@ -68,9 +68,10 @@ std::vector<FurtherRow> further_rows(const DiagnoseStudy& study) {
     const Diagnosis& as_planned = study.further.front().plan;
     std::vector<FurtherRow> rows{row_of("as planned", as_planned, 1.0, {}, names, seen)};
     const FurtherRow planned{"as planned", 0, 0, seen};
-    for (std::size_t k = 1; k < study.further.size(); ++k)
-        rows.push_back(row_of("with " + study.further[k].name, study.further[k].plan, 1.0, planned, names, seen_then));
-    rows.push_back(row_of("with twice as many blocks", as_planned, 2.0, planned, names, seen_then));
+    for (std::size_t k = 1; k < study.further.size(); ++k) {
+        const WithInstrument& w = study.further[k];
+        rows.push_back(row_of("with " + w.name, w.plan, w.blocks, planned, names, seen_then));
+    }
     return rows;
 }
 

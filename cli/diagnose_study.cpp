@@ -18,6 +18,8 @@ namespace {
 constexpr double kLeastStep = 0.03, kMostStep = 0.15, kPlannedStep = 0.08;
 /// Small differences between a few effects need so many times the simulations [-].
 constexpr std::int64_t kGroupRepeats = 4;
+/// A plan is asked for this many times the blocks, too [-].
+constexpr double kMoreBlocks = 2.0;
 
 /// None where nobody knows which record is of which block.
 std::vector<ObservedBlock> known_blocks(const ObservedSite& observed) {
@@ -200,6 +202,14 @@ public:
         DiagnosisSettings settings = study_.settings;
         settings.power_up_to = 1.0;  // what is told of them is whether they see the reference
         try_instruments(as_given, best, settings);
+        if (study_.interrupted) return;
+        settings.power_up_to = std::sqrt(kMoreBlocks);  // strengths that they see, over those that more blocks see
+        const std::string name = "twice as many blocks";
+        Diagnosis plan =
+            scree::plan_test(problem(as_given, best), measured(), settings, simulation(as_given, best),
+                             [&](const DiagnosisProgress& p) { in_.progress("with " + name, p.done, p.planned); });
+        study_.interrupted = plan.interrupted;
+        if (!study_.interrupted) study_.further.push_back({name, std::move(plan), kMoreBlocks});
     }
 
 private:

@@ -60,10 +60,11 @@ struct AnswerFit {
     std::string name() const;  ///< "ground_drag and air_drag"
 };
 
-/// What the same test would tell with one more instrument: of a plan about the whole catalogue, of a group about its members.
+/// What the same test would tell with one more instrument or more blocks: of a plan about the whole catalogue, of a group about its members.
 struct WithInstrument {
     std::string name;
-    Diagnosis plan;  ///< findings and cosines
+    Diagnosis plan;       ///< findings and cosines, of the test's own number of blocks
+    double blocks = 1.0;  ///< many times those of the test [-]
 };
 
 /// Everything that a diagnosis found; text, JSON, site file and pictures are made from it and from nothing else.

@@ -68,7 +68,8 @@ TEST(DiagnoseFurther, APlanCountsWhatMoreWouldShow) {
     study.catalogue.candidates = {kDrag, kPatch};
     study.diagnosis = plan(4.0, 4.0, 0.5);                            // of all forms, with their price
     study.further = {{"the same instruments", plan(4.0, 2.8, 0.95)},  // 3.34 are needed
-                     {"spins at the screens", plan(5.0, 3.5, 0.7)}};
+                     {"spins at the screens", plan(5.0, 3.5, 0.7)},
+                     {"twice as many blocks", plan(4.0, 2.8, 0.95), 2.0}};
     const std::vector<FurtherRow> rows = further_rows(study);
     ASSERT_EQ(rows.size(), 3U);
     EXPECT_EQ(rows[0].seen, 1U);
