@@ -157,7 +157,7 @@ std::vector<std::string> calibration_remarks(const CalibrationReport& r) {
         remarks.push_back(
             "the quadratic around the best point explains " + short_number(100.0 * r.result.surroundings.explained) +
             " % of the losses there: mostly noise; more calibration.repeats or calibration.surroundings help");
-    if (r.result.held_out_was_seen()) remarks.push_back(held_out_remark("the calibration"));
+    if (r.result.held_out_was_seen) remarks.push_back(held_out_remark("the calibration"));
     if (r.after_study.overall.gap > r.before_study.overall.gap)
         remarks.push_back(
             "as a whole the calibrated model is farther from the measurements (gap " +
@@ -230,13 +230,18 @@ std::string calibrated_toml(const CalibrationReport& r, const fs::path& to) {
     return text.str();
 }
 
+std::string seen_note(const CalibrationPlace& place) {
+    return place.was_seen ? ", by the parameters of all" : "";
+}
+
 std::string places_json(const CalibrationResult& result) {
     Json json = Json::array();
     for (const CalibrationPlace& p : result.places)
-        json.push_back({{"place", p.name},
+        json.push_back({{p.is_path ? "path" : "place", p.name},
                         {"fit", fit_json(p.best)},
                         {"blocks_held_out", fit_json(p.held_out)},
-                        {"left_out", fit_json(p.test)}});
+                        {"left_out", fit_json(p.test)},
+                        {"left_out_was_seen", p.was_seen}});
     return json.dump();
 }
 
@@ -295,7 +300,7 @@ std::string calibrate_json(const CalibrationReport& r) {
     json["fit_calibrated"] = fit_json(result.best_fit);
     if (!result.folds.empty()) {
         json["fit_held_out"] = fit_json(result.held_out);
-        json["held_out_was_seen"] = result.held_out_was_seen();
+        json["held_out_was_seen"] = result.held_out_was_seen;
         json["folds"] = Json::array();
         for (const CalibrationFold& f : result.folds)
             json["folds"].push_back({{"held_out", f.held_out},
@@ -354,16 +359,21 @@ std::string calibrate_html(const CalibrationReport& r, const std::vector<Figure>
     rows = {{"all blocks", score_text(r.result.start_fit), score_text(r.result.best_fit)}};
     for (std::size_t f = 0; f < r.result.folds.size(); ++f)
         rows.push_back({"fold " + std::to_string(f + 1) + ", " + std::to_string(r.result.folds[f].held_out.size()) +
-                            " blocks held out",
+                            (r.after_study.repeats > 0 ? " blocks held out" : " records held out"),
                         score_text(r.result.folds[f].start_test), score_text(r.result.folds[f].test)});
     if (!r.result.folds.empty())
         rows.push_back({"all folds", score_text(r.result.held_out_start), score_text(r.result.held_out)});
     html << html_table({"score, minimised", "before", "calibrated"}, rows);
-    rows.clear();
-    for (const CalibrationPlace& p : r.result.places)
-        rows.push_back({p.name, score_text(p.best), score_text(p.held_out), score_text(p.test)});
-    if (!rows.empty())
-        html << html_table({"of that, at", "calibrated", "blocks held out", "the whole of it left out"}, rows);
+    for (const bool paths : {false, true}) {
+        rows.clear();
+        for (const CalibrationPlace& p : r.result.places)
+            if (p.is_path == paths)
+                rows.push_back({p.name, score_text(p.best), score_text(p.held_out), score_text(p.test) + seen_note(p)});
+        if (!rows.empty())
+            html << html_table({paths ? "of blocks on path" : "of that, at", "calibrated", "blocks held out",
+                                "the whole of it left out"},
+                               rows);
+    }
     html << kHow;
     for (const Figure& f : figures) html << "<h2>" << escaped(f.title) << "</h2>\n" << html_figure(f);
     html << "<h2>Measured and simulated, calibrated</h2>\n" << gaps_table(r);

@@ -26,6 +26,8 @@ struct CalibrationReport {
 };
 
 std::vector<Figure> calibrate_figures(const CalibrationReport& report);
+/// Of a place or path left out.
+std::string seen_note(const CalibrationPlace& place);
 /// How each place is fitted, and predicted where it, or blocks, were left out: a JSON array.
 std::string places_json(const CalibrationResult& result);
 std::string calibrate_json(const CalibrationReport& report);
@@ -39,7 +41,7 @@ void print_calibration(std::ostream& out, const CalibrationReport& report);
 /// What a user should not miss, a sentence each: estimates on edges, what is not identified, searches that ended elsewhere.
 std::vector<std::string> calibration_remarks(const CalibrationReport& report);
 
-/// Of a model of which held_out_was_seen().
+/// Of a model of which held_out_was_seen.
 std::string held_out_remark(const std::string& what);
 
 /// A number with the digits that its interval leaves certain, and one more.

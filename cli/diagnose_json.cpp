@@ -76,7 +76,7 @@ Json answer_json(const DiagnoseStudy& study, const AnswerFit& a, const AnsweredE
         json["held_out_loss"] = a.model.result.held_out.loss;
         json["held_out_floor"] = a.model.result.held_out.floor;
         json["held_out_gap"] = a.model.result.held_out.gap();
-        json["held_out_was_seen"] = a.model.result.held_out_was_seen();
+        json["held_out_was_seen"] = a.model.result.held_out_was_seen;
         if (const auto share = removable_gap_closed(study, a)) json["removable_gap_closed"] = *share;
         if (const auto gain = held_out_gain(study, a))
             json["held_out_gain"] = {{"mean", gain->mean}, {"standard_error", gain->error}};
@@ -210,7 +210,7 @@ std::string diagnose_json(const DiagnoseStudy& study) {
         if (!study.baseline.result.folds.empty()) {
             baseline["held_out_loss"] = study.baseline.result.held_out.loss;
             baseline["held_out_gap"] = study.baseline.result.held_out.gap();
-            baseline["held_out_was_seen"] = study.baseline.result.held_out_was_seen();
+            baseline["held_out_was_seen"] = study.baseline.result.held_out_was_seen;
             if (!study.baseline.result.places.empty())
                 baseline["places"] = Json::parse(places_json(study.baseline.result));
         }

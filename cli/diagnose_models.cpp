@@ -183,6 +183,7 @@ void DiagnosedModels::stay_as_followed(const CalibrationResult& refit, const std
     followed.result.best = refit.start;
     followed.result.best_fit = refit.start_fit;
     followed.as_followed = true;
+    for (CalibrationPlace& place : followed.result.places) place.best = place.start;
     take_best(followed, followed.strengths.size());
     CampaignResult of_followed;
     CompareStudy study = compared(followed, effects, of_followed);

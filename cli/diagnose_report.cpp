@@ -159,10 +159,14 @@ std::string places_html(const DiagnoseStudy& study, const AnswerFit* a) {
     }
     std::vector<std::vector<std::string>> rows;
     for (std::size_t k = 0; k < before.size(); ++k) {
-        rows.push_back({before[k].name});
+        rows.push_back({(before[k].is_path ? "path " : "") + before[k].name});
         for (const auto fit : {&CalibrationPlace::best, &CalibrationPlace::held_out, &CalibrationPlace::test}) {
-            rows.back().push_back(gap_number((before[k].*fit).gap()));
-            if (a) rows.back().push_back(gap_number((a->model.result.places[k].*fit).gap()));
+            const auto add = [&](const CalibrationPlace& place) {
+                rows.back().push_back(gap_number((place.*fit).gap()) +
+                                      (fit == &CalibrationPlace::test ? seen_note(place) : ""));
+            };
+            add(before[k]);
+            if (a) add(a->model.result.places[k]);
         }
     }
     return "<p>Gap of what is fitted, by where it was measured, and by path where blocks went down several: of all "
@@ -186,7 +190,7 @@ std::string gaps_html(const DiagnoseStudy& study, const AnswerFit& a) {
                         gap_number(a.model.result.best_fit.gap()), held_out_text(study.baseline),
                         held_out_text(a.model), ""});
     const std::vector<std::string> held_out = held_out_sentences(study, a);
-    return "<p>A gap of 1 is the noise floor: as far apart as two tests of the same size are by chance.</p>\n" +
+    return "<p>A gap of 1 is the noise floor: as far apart as a test drawn from the simulation is by chance.</p>\n" +
            html_table({"gap", "calibrated", "with " + a.name(), "of blocks held out, calibrated", "with " + a.name(),
                        "95 % of chance, with " + a.name()},
                       rows) +

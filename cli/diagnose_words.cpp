@@ -82,11 +82,13 @@ std::string held_out_text(const CalibratedModel& m) {
 std::vector<std::string> held_out_sentences(const DiagnoseStudy& study, const AnswerFit& answer) {
     std::vector<std::string> sentences;
     if (const auto share = removable_gap_closed(study, answer))
-        sentences.push_back((*share > 0.0 ? "closes " : "widens by ") +
-                            short_number(100.0 * std::min(1.0, std::abs(*share))) + " % of the removable held-out gap");
+        sentences.push_back(
+            *share > 0.0 ? "closes " + short_number(100.0 * std::min(1.0, *share)) + " % of the removable held-out gap"
+                         : "widens the removable held-out gap by " + short_number(-100.0 * *share) + " %");
+    const std::string record = study.before.repeats > 0 ? "a block" : "a record";
     if (const auto gain = held_out_log_gain(study, answer))
-        sentences.push_back("a block held out is " + std::string(gain->mean < 0.0 ? "less" : "more") + " likely with " +
-                            answer.name() + ", the logarithm of its likelihood " +
+        sentences.push_back(record + " held out is " + std::string(gain->mean < 0.0 ? "less" : "more") +
+                            " likely with " + answer.name() + ", the logarithm of its likelihood " +
                             (gain->mean < 0.0 ? "lower" : "higher") + " by " + short_number(std::abs(gain->mean)) +
                             " +- " + short_number(gain->error) + " (mean and standard error)");
     return sentences;
@@ -425,13 +427,13 @@ std::vector<std::string> diagnose_remarks(const DiagnoseStudy& study) {
             "no residual that was tested stands out, and yet the model is beyond chance as a whole (gap "
             "over all " +
             gap_number(study.told().overall.gap) + "): look at the observables in the report before you trust it");
-    if (study.judged() && study.baseline.result.held_out_was_seen())
+    if (study.judged() && study.baseline.result.held_out_was_seen)
         remarks.push_back(held_out_remark("the calibrated model"));
     if (study.baseline.as_followed) remarks.push_back(as_followed_remark("the calibrated model"));
     for (const AnswerFit& a : study.answers) {
         if (a.model.as_followed) remarks.push_back(as_followed_remark("the model with " + a.name()));
         if (study.verdict == Verdict::Unknown) continue;
-        if (a.model.result.held_out_was_seen()) remarks.push_back(held_out_remark("the model with " + a.name()));
+        if (a.model.result.held_out_was_seen) remarks.push_back(held_out_remark("the model with " + a.name()));
         for (const AnsweredEffect& e : a.effects)
             if (!e.variant.space && e.strength > (1.0 - kInRange) * e.variant.most)
                 remarks.push_back("the strength of " + e.candidate->name + " lies at the end of what was searched");

@@ -400,12 +400,11 @@ private:
         result_.best = point;
         result_.best_fit = fit;
         for (std::size_t i = 0; i < plan_.dimension; ++i) {
-            ParameterEstimate& e = result_.parameters[i];
-            e.value = result_.best.values[i];
-            e.interval = {std::min(e.interval.low, e.value), std::max(e.interval.high, e.value)};
-            const double u = unit_of(problem_.parameters[i], e.value);
-            e.at_low = u < kAtEdge;
-            e.at_high = u > 1.0 - kAtEdge;
+            const CalibrationParameter& p = problem_.parameters[i];
+            const Interval& known = result_.parameters[i].interval;
+            result_.parameters[i] =
+                estimate_of(p, unit_of(p, point.values[i]), unit_of(p, known.low), unit_of(p, known.high));
+            result_.parameters[i].value = point.values[i];  // to the last digit
         }
     }
 
@@ -456,10 +455,20 @@ private:
             for (const CalibrationPoint& rival : rivals) keep_the_better(best, rival, judged(rival));
         }
         for (std::size_t p = 0; p < plan_.places; ++p)
-            result_.places.push_back({problem_.places[p], {}, {}, {}, fit_of(at_place(best, p), {}), {0.0, 0.0}});
+            result_.places.push_back({problem_.places[p],
+                                      {},
+                                      {},
+                                      {},
+                                      fit_of(at_place(start, p), {}),
+                                      fit_of(at_place(best, p), {}),
+                                      {0.0, 0.0}});
         if (plan_.folds > 0) hold_blocks_out(start);
         for (std::size_t p = 0; p < plan_.places; ++p) leave_out(p);
-        for (std::size_t p = 0; p < plan_.paths; ++p) leave_out(problem_.paths[p], best);
+        for (std::size_t p = 0; p < plan_.paths; ++p) leave_out(problem_.paths[p], start, best);
+        for (CalibrationPlace& place : result_.places) place.was_seen = place.point == result_.best;
+        result_.held_out_was_seen =
+            !result_.folds.empty() && std::all_of(result_.folds.begin(), result_.folds.end(),
+                                                  [&](const CalibrationFold& f) { return f.point == result_.best; });
     }
 
     /// The best of what a calibration that knows less may end at, by what it knows: where its quadratic leads, and what was simulated, for around an answer
@@ -542,7 +551,7 @@ private:
             });
     }
 
-    void leave_out(const CalibrationPath& path, const SimulatedLoss& of_best) {
+    void leave_out(const CalibrationPath& path, const SimulatedLoss& of_start, const SimulatedLoss& of_best) {
         std::vector<char> others(problem_.records, 1), own(problem_.records, 0);
         for (const std::size_t k : path.records) {
             others[k] = 0;
@@ -550,6 +559,8 @@ private:
         }
         CalibrationPlace left;
         left.name = path.name;
+        left.is_path = true;
+        left.start = fit_of(of_start, own);
         left.best = fit_of(of_best, own);
         left.held_out = fit_of(held_out_, own);
         calibrate_by(

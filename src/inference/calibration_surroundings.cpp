@@ -179,18 +179,23 @@ std::vector<ParameterEstimate> estimates_of(const MinimumSpread& spread,
         }
         low = std::max(low, wall_below(u, column, tried));
         high = std::min(high, 1.0 - wall_below(1.0 - u, column, upside_down));
-        ParameterEstimate e;
-        e.value = value_of(parameters[i], u);
-        e.interval = {value_of(parameters[i], std::min(low, u)), value_of(parameters[i], std::max(high, u))};
-        const double length = std::max(high, u) - std::min(low, u);
-        e.identified = length < kWellIdentified  ? Identification::Well
-                       : length < kNotIdentified ? Identification::Weakly
-                                                 : Identification::Not;
-        e.at_low = u < kAtEdge;
-        e.at_high = u > 1.0 - kAtEdge;
-        estimates.push_back(e);
+        estimates.push_back(estimate_of(parameters[i], u, low, high));
     }
     return estimates;
+}
+
+ParameterEstimate estimate_of(const CalibrationParameter& parameter, double u, double low, double high) {
+    low = std::min(low, u);
+    high = std::max(high, u);
+    ParameterEstimate e;
+    e.value = value_of(parameter, u);
+    e.interval = {value_of(parameter, low), value_of(parameter, high)};
+    e.identified = high - low < kWellIdentified  ? Identification::Well
+                   : high - low < kNotIdentified ? Identification::Weakly
+                                                 : Identification::Not;
+    e.at_low = u < kAtEdge;
+    e.at_high = u > 1.0 - kAtEdge;
+    return e;
 }
 
 Eigen::MatrixXd correlation_of(const MinimumSpread& spread) {

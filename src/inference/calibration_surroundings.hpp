@@ -45,6 +45,8 @@ struct TriedPoint {
 std::vector<ParameterEstimate> estimates_of(const MinimumSpread& spread,
                                             const std::vector<CalibrationParameter>& parameters,
                                             const std::vector<TriedPoint>& tried);
+/// Of one parameter, all in shares of its range; the interval holds the value.
+ParameterEstimate estimate_of(const CalibrationParameter& parameter, double u, double low, double high);
 Eigen::MatrixXd correlation_of(const MinimumSpread& spread);
 std::vector<CalibrationDirection> directions_of(const MinimumSpread& spread);
 

@@ -84,7 +84,10 @@ void resample_measured(WassersteinGap& gap, const ObservableSample& sample, cons
     std::sort(to_simulated.begin(), to_simulated.end());
     gap.floor_median = sample_quantile(to_itself, 0.5);
     gap.floor_high = sample_quantile(to_itself, kCovered);
-    gap.interval = {sample_quantile(to_simulated, kLow), sample_quantile(to_simulated, kHigh)};
+    // blocks drawn again are farther away than the blocks were, by what chance adds once more
+    const double too_far = sample_quantile(to_simulated, 0.5) - gap.distance;
+    gap.interval = {std::max(sample_quantile(to_simulated, kLow) - too_far, 0.0),
+                    sample_quantile(to_simulated, kHigh) - too_far};
 }
 
 /// One observable at a time, then all of them for the same blocks.

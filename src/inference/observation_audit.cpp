@@ -61,6 +61,19 @@ private:
 constexpr std::array kEnergyShare{0.8, 2.5};
 constexpr std::size_t kLeastEnergies = 3;
 
+/// Chi-squared of one degree of freedom less than values that fewer than one test in a thousand has by chance (Wilson & Hilferty 1931, PNAS 17:684-688).
+double least_chi_squared(double freedom) {
+    constexpr double kOneInAThousand = -3.0902;
+    const double v = 2.0 / (9.0 * freedom);
+    return freedom * std::pow(std::max(1.0 - v + kOneInAThousand * std::sqrt(v), 0.0), 3.0);
+}
+/// Fewer values may lie together by chance [-].
+constexpr std::size_t kLeastScattered = 5;
+
+constexpr std::array<const char*, kKinematics> kErrorFields{"speed_error_ms", "height_error_m", "spin_error_rads",
+                                                            "energy_error_kj", "rise_error_ms"};
+constexpr std::array<const char*, kKinematics> kErrorNames{"speeds", "heights", "spins", "energies", "vertical speeds"};
+
 class Audit {
 public:
     Audit(const Observations& observations, const ObservationOperator& op, const AuditSite& site)
@@ -79,6 +92,7 @@ public:
         ways_of_blocks();
         shares();
         stated_errors();
+        errors_beyond_scatter();
         strength();
         return std::move(findings_);
     }
@@ -415,19 +429,62 @@ private:
         std::string missing;
         const bool stops = std::any_of(o_.stops.begin(), o_.stops.end(), [](const auto& s) { return s.error > 0.0; });
         if (!o_.stops.empty() && !stops) missing += "position_error_m";
-        constexpr std::array<const char*, kKinematics> kFields{"speed_error_ms", "height_error_m", "spin_error_rads",
-                                                               "energy_error_kj", "rise_error_ms"};
         for (std::size_t k = 0; k < kKinematics; ++k) {
             bool measured = false, stated = false;
             for (const ObservedCrossing& c : o_.crossings) {
                 measured = measured || std::isfinite(c.value[k]);
                 stated = stated || c.error[k] > 0.0;
             }
-            if (measured && !stated) missing += (missing.empty() ? "" : ", ") + std::string(kFields[k]);
+            if (measured && !stated) missing += (missing.empty() ? "" : ", ") + std::string(kErrorFields[k]);
         }
         if (!missing.empty())
             find(Severity::Warning, "no_error_stated",
                  words("no measurement error is stated (", missing, "): the values are taken as exact"));
+    }
+
+    struct Measured {
+        double value, error;  ///< [unit of the values]
+    };
+    /// Values scatter by their errors, whatever else they do: is that too little? Columns that are measured together count together.
+    static bool too_close(const std::vector<std::vector<Measured>>& columns) {
+        double squares = 0.0, freedom = 0.0;
+        for (const std::vector<Measured>& values : columns) {
+            if (values.size() < kLeastScattered) return false;
+            double sum = 0.0, weights = 0.0;
+            for (const Measured& m : values) {
+                if (!(m.error > 0.0)) return false;
+                sum += m.value / (m.error * m.error);
+                weights += 1.0 / (m.error * m.error);
+            }
+            for (const Measured& m : values) squares += std::pow((m.value - sum / weights) / m.error, 2.0);
+            freedom += static_cast<double>(values.size() - 1);
+        }
+        return squares < least_chi_squared(freedom);
+    }
+
+    /// Errors that are stated too large make every model fit: simulated blocks are measured with them.
+    void errors_beyond_scatter() {
+        Names hidden;
+        std::vector<std::vector<Measured>> plan(2);
+        for (const ObservedStop& s : o_.stops)
+            for (const Eigen::Index k : {0, 1})
+                if (std::isfinite(s.position[k])) plan[static_cast<std::size_t>(k)].push_back({s.position[k], s.error});
+        if (too_close(plan)) hidden.add("stops (position_error_m)");
+        for (std::size_t s = 0; s < op_.screens.size(); ++s)
+            for (std::size_t k = 0; k < kKinematics; ++k) {
+                std::vector<Measured> values;
+                for (const ObservedCrossing& c : o_.crossings)
+                    if (static_cast<std::size_t>(c.screen) == s && std::isfinite(c.value[k]))
+                        values.push_back({c.value[k], c.error[k]});
+                if (too_close({values}))
+                    hidden.add(words(kErrorNames[k], " at ", op_.screens[s], " (", kErrorFields[k], ")"));
+            }
+        if (hidden.count() > 0)
+            find(
+                Severity::Warning, "error_beyond_scatter",
+                words("measured values lie closer together than their stated errors alone would scatter them, of ",
+                      hidden.text(),
+                      ": these errors are too large, and simulated blocks get them, too, which hides what is missing"));
     }
 
     void strength() {

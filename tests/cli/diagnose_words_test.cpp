@@ -306,9 +306,10 @@ TEST(DiagnoseWords, WhereNoFoldHasAPointOfItsOwnNothingWasHeldOut) {
     DiagnoseStudy study = unknown({0.99}, 0.3);
     study.before.observables.emplace_back();
     study.baseline.result.folds.resize(3);
+    study.baseline.result.held_out_was_seen = true;
     const auto said = Contains(StartsWith("every fold of the calibrated model ends at the point that all blocks"));
     EXPECT_THAT(diagnose_remarks(study), said);
-    study.baseline.result.folds.back().point.values = {0.5};
+    study.baseline.result.held_out_was_seen = false;
     EXPECT_THAT(diagnose_remarks(study), Not(said));
 }
 

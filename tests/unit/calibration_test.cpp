@@ -184,7 +184,7 @@ TEST(Calibration, KeepsWhatEveryRecordLosesHeldOut) {
 
 TEST(Calibration, SaysWhenAllFoldsChooseWhatAllRecordsChoose) {
     CalibrationJournal journal, other;
-    EXPECT_FALSE(calibrate(two_and_a_choice(), quick(), bowl, journal, nullptr).held_out_was_seen());
+    EXPECT_FALSE(calibrate(two_and_a_choice(), quick(), bowl, journal, nullptr).held_out_was_seen);
     // a hole at the first point, of which no quadratic knows: whichever records are asked, it is the best
     const auto hole = [](const CalibrationTask& task) {
         std::optional<SimulatedLoss> result = bowl(task);
@@ -193,7 +193,7 @@ TEST(Calibration, SaysWhenAllFoldsChooseWhatAllRecordsChoose) {
         return result;
     };
     const CalibrationResult r = calibrate(two_and_a_choice(), quick(), hole, other, nullptr);
-    EXPECT_TRUE(r.held_out_was_seen());
+    EXPECT_TRUE(r.held_out_was_seen);
     EXPECT_DOUBLE_EQ(r.held_out.loss, r.best_fit.loss);
 }
 
@@ -230,6 +230,8 @@ TEST(Calibration, LeavesOutEveryPlaceOnce) {
     const double asked[] = {4.0, 6.0};
     for (std::size_t p = 0; p < 2; ++p) {
         EXPECT_EQ(r.places[p].name, problem.places[p]);
+        EXPECT_FALSE(r.places[p].is_path);
+        EXPECT_TRUE(std::isfinite(r.places[p].start.loss));
         EXPECT_NEAR(r.places[p].point.values[0], asked[1 - p], 0.1);
         EXPECT_NEAR(r.places[p].training.loss, 0.5, 0.05);
         EXPECT_NEAR(r.places[p].test.loss, 0.5 + 4.0, 0.4);
@@ -276,6 +278,9 @@ TEST(Calibration, LeavesOutEveryPathOnce) {
     ASSERT_EQ(r.places.size(), 2U);
     EXPECT_EQ(r.places[0].name, "east");
     EXPECT_EQ(r.places[1].name, "west");
+    EXPECT_TRUE(r.places[0].is_path);
+    EXPECT_FALSE(r.places[0].was_seen);
+    EXPECT_NEAR(r.places[0].start.loss, 0.5 + 4.0, 0.3);  // at 5
     EXPECT_NEAR(r.places[0].point.values[0], 7.0, 0.1);
     EXPECT_NEAR(r.places[1].point.values[0], 3.0, 0.3);
     for (const CalibrationPlace& left : r.places) {

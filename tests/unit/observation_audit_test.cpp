@@ -2,6 +2,7 @@
 // Every fault that the audit promises to find, planted alone into good measurements; and that the good ones pass.
 #include "scree/inference/observation_audit.hpp"
 
+#include "scree/base/random.hpp"
 #include "support/scenes.hpp"
 
 #include <gmock/gmock.h>
@@ -36,7 +37,7 @@ struct GoodTest {
             c.row = k + 2;
             c.block = k;
             c.position = {0.0, 1.0 * k, kNaN};
-            c.value = {10.0, 0.5, kNaN, kNaN, kNaN};
+            c.value = {9.0 + 2 * k % 3, 0.5 + 0.1 * (k % 4 - 1.5), kNaN, kNaN, kNaN};
             c.error = {0.7, 0.1, 0.0, 0.0, 0.0};
             o.crossings.push_back(c);
         }
@@ -57,7 +58,8 @@ TEST(ObservationAudit, FindsNothingInGoodMeasurements) {
     GoodTest test;
     test.o.crossings[5].value[4] = -12.0;  // within its error
     test.o.crossings[5].error[4] = 0.7;
-    for (ObservedCrossing& c : test.o.crossings) c.value[3] = 60e3, c.error[3] = 1e3;  // 50 kJ and what turns
+    for (ObservedCrossing& c : test.o.crossings)
+        c.value[3] = 600.0 * c.value[0] * c.value[0], c.error[3] = 1e3;  // 50 kJ and what turns
     for (const Finding& f : test.findings()) ADD_FAILURE() << f.sentence;
 }
 
@@ -123,12 +125,12 @@ const Plant kPlants[] = {
      "density", Severity::Error, "no rock has"},
     {"EnergiesInAnotherUnit",
      [](GoodTest& t) {
-         for (ObservedCrossing& c : t.o.crossings) c.value[3] = 60e6, c.error[3] = 1e6;
+         for (ObservedCrossing& c : t.o.crossings) c.value[3] = 600e3 * c.value[0] * c.value[0], c.error[3] = 1e6;
      },
      "energies", Severity::Warning, "1200.00 times m v^2 / 2 in the median of 12 passages"},
     {"EnergiesOfPieces",
      [](GoodTest& t) {
-         for (ObservedCrossing& c : t.o.crossings) c.value[3] = 20e3, c.error[3] = 1e3;
+         for (ObservedCrossing& c : t.o.crossings) c.value[3] = 200.0 * c.value[0] * c.value[0], c.error[3] = 1e3;
      },
      "energies", Severity::Warning, "0.40 times"},
     {"TooHeavyForItsBox", [](GoodTest& t) { t.o.blocks[1].mass = t.list[1].mass = 3000.0; }, "density",
@@ -193,6 +195,16 @@ const Plant kPlants[] = {
          for (auto& c : t.o.crossings) c.error[0] = 0.0;
      },
      "no_error_stated", Severity::Warning, "speed_error_ms"},
+    {"SpeedErrorBeyondScatter",
+     [](GoodTest& t) {
+         for (auto& c : t.o.crossings) c.error[0] = 20.0;
+     },
+     "error_beyond_scatter", Severity::Warning, "of speeds at gate (speed_error_ms):"},
+    {"PositionErrorBeyondScatter",
+     [](GoodTest& t) {
+         for (auto& s : t.o.stops) s.error = 30.0;
+     },
+     "error_beyond_scatter", Severity::Warning, "of stops (position_error_m):"},
     {"LastSighting", [](GoodTest& t) { t.o.stops[0].censored = true; }, "censored", Severity::Warning, "(B0)"},
     {"BrokenBlock", [](GoodTest& t) { t.o.stops[0].broken = true; }, "broken", Severity::Warning, "1 block broke"},
     {"FewBlocks",
@@ -219,6 +231,20 @@ TEST_P(AuditFinds, ThisAndNothingElse) {
 }
 INSTANTIATE_TEST_SUITE_P(Plants, AuditFinds, testing::ValuesIn(kPlants),
                          [](const auto& row) { return std::string(row.param.name); });
+
+// Values that scatter by their errors and nothing else: one test in a thousand lies closer together.
+TEST(ObservationAudit, BelievesErrorsThatAreAllTheScatter) {
+    constexpr std::uint64_t kTests = 4000;
+    std::uint64_t doubted = 0;
+    GoodTest test;
+    for (std::uint64_t k = 0; k < kTests; ++k) {
+        RandomStream random(k, 0, RandomPurpose::Effect);
+        for (ObservedCrossing& c : test.o.crossings) c.value[0] = 10.0 + c.error[0] * random.normal();
+        for (const Finding& f : test.findings()) doubted += f.check == "error_beyond_scatter";
+    }
+    EXPECT_GE(doubted, 1U);
+    EXPECT_LE(doubted, 11U);  // 4 +- 2
+}
 
 TEST(ObservationAudit, NamesOffendersWithoutIdsByTheirRowAndKeepsListsShort) {
     GoodTest test;

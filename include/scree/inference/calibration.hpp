@@ -165,9 +165,12 @@ struct CalibrationFold {
 /// A place, or a path, that the calibration was not told about, and what it predicts there.
 struct CalibrationPlace {
     std::string name;
-    CalibrationPoint point;         ///< best for the others
-    CalibrationFit training, test;  ///< of the others, of the one left out
-    CalibrationFit best, held_out;  ///< there: of the calibration that knows all; over all folds of blocks
+    CalibrationPoint point;                ///< best for the others
+    CalibrationFit training, test;         ///< of the others, of the one left out
+    CalibrationFit start, best, held_out;  ///< there: uncalibrated; of the calibration that knows all; over all folds
+    bool is_path = false;                  ///< blocks that went down it, with all that was measured on them
+    bool was_seen =
+        false;  ///< `point` is what all records together chose: what was left out had its part in finding it
 };
 
 /// How well the quadratic describes the losses around the best point.
@@ -196,12 +199,8 @@ struct CalibrationResult {
     std::vector<CalibrationPlace> places;     ///< then paths; empty if there is one only, or no cross-validation
     std::vector<std::vector<double>>
         draws;  ///< plausible parameter values, for pictures and predictions: per draw one per parameter [*]
-
     /// Every fold chose the point that all records together chose: what is held out had its part in finding it.
-    bool held_out_was_seen() const {
-        return !folds.empty() &&
-               std::all_of(folds.begin(), folds.end(), [&](const CalibrationFold& f) { return f.point == best; });
-    }
+    bool held_out_was_seen = false;
 };
 
 struct CalibrationProgress {

@@ -84,8 +84,9 @@ struct Gap {
 
 /// One-dimensional observables only.
 struct WassersteinGap {
-    double distance = kNaN;       ///< between measured and simulated [unit of the values]
-    Interval interval;            ///< 95 % by resampling the measured blocks [unit of the values]
+    double distance = kNaN;  ///< between measured and simulated [unit of the values]
+    /// 95 % by resampling the measured blocks, around the distance: resampled ones are larger by what chance adds once more [unit of the values]
+    Interval interval;
     double chance_median = kNaN;  ///< of blocks drawn from the simulation against the rest of it [unit of the values]
     double chance_high = kNaN;    ///< 95 % quantile of that [unit of the values]
     double floor_median = kNaN;   ///< of the measured blocks resampled against themselves [unit of the values]

@@ -43,8 +43,8 @@ inline constexpr std::size_t kFewBlocks = 10;
 /// Looks for what cannot be: stops off the terrain or over a hole in it, a datum offset between the heights of the stops and the terrain, passages faster
 /// than the fall from the highest start allows (v^2 <= v0^2 + 2 g drop), densities, one block measured twice, blocks that the block list does not
 /// know or knows otherwise, crossings far from their screen, blocks that stopped above a screen that they crossed or were not seen at one that they
-/// came past, shares above one; and for what makes the comparison weaker: no stated errors, few
-/// blocks, broken blocks, stops that are only last sightings.
+/// came past, shares above one; and for what makes the comparison weaker: no stated errors, stated errors
+/// larger than all scatter, few blocks, broken blocks, stops that are only last sightings.
 std::vector<Finding> audit_observations(const Observations& observations, const ObservationOperator& op,
                                         const AuditSite& site);
 
