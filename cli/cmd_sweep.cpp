@@ -12,7 +12,6 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
-#include <numeric>
 #include <ostream>
 
 namespace scree::cli {
@@ -196,8 +195,18 @@ private:
         return compare_tables(some, others, observables, {}, gaps_only).overall.gap;
     }
 
+    /// Rows of the site as it is that may stand for each other: those of one measured block, or all of them.
+    std::vector<std::vector<std::size_t>> alike() const {
+        const auto blocks = static_cast<std::size_t>(blocks_);
+        const bool known = observed_.observations.matched && base_.rows() == blocks * sets_;  // none has failed
+        std::vector<std::vector<std::size_t>> rows(known ? blocks : 1);
+        for (std::size_t row = 0; row < base_.rows(); ++row) rows[row % rows.size()].push_back(row);
+        return rows;
+    }
+
     /// Gaps of sets of so many blocks of the site as it is to the rest of them: what chance gives. Sets are drawn from all its blocks, more often than
-    /// there are sets of a value, or the limit would depend on which were the last of twenty. None where a set is more than half of all.
+    /// there are sets of a value, or the limit would depend on which were the last of twenty; of known blocks as often each as a set of a value has it. None
+    /// where a set is more than half of all.
     const std::vector<double>& base_gaps(std::int64_t blocks) {
         const auto known = base_gaps_.find(blocks);
         if (known != base_gaps_.end()) return known->second;
@@ -205,12 +214,13 @@ private:
         const auto n = static_cast<std::size_t>(blocks);
         for (std::uint64_t draw = 0; draw < kBaseSets && 2 * n <= base_.rows(); ++draw) {
             RandomStream random(seed(), draw, RandomPurpose::Resampling);
-            std::vector<std::size_t> order(base_.rows());
-            std::iota(order.begin(), order.end(), std::size_t{0});
+            std::vector<std::vector<std::size_t>> rows = alike();
             std::vector<char> chosen(base_.rows(), 0);
             for (std::size_t k = 0; k < n; ++k) {
-                std::swap(order[k], order[k + random.below(order.size() - k)]);
-                chosen[order[k]] = 1;
+                std::vector<std::size_t>& left = rows[k % rows.size()];
+                std::swap(left[random.below(left.size())], left.back());
+                chosen[left.back()] = 1;
+                left.pop_back();
             }
             gaps.push_back(gap_between(rows_where(base_, chosen, true), rows_where(base_, chosen, false), false));
         }

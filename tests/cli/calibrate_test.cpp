@@ -274,6 +274,26 @@ TEST(Sweep, TellsApartWhatMattersFromWhatDoesNot) {
     EXPECT_THAT(text_of(out / "figures" / "sweep.svg"), Not(HasSubstr("nan")));
 }
 
+// Every set has each known block once: so it is in the sets that chance is told by, or blocks of very different size hide what a key does.
+TEST(Sweep, KnowsTheChanceOfBlocksThatAreVeryDifferent) {
+    const TempDir folder;
+    std::string list = "block_id,mass_kg,L1_m,L2_m,L3_m\n";
+    for (int k = 0; k < 20; ++k)
+        list += "B" + std::to_string(k) + (k % 2 ? ",30,0.3,0.27,0.25\n" : ",5000,1.6,1.4,1.3\n");
+    put(folder / "blocks.csv", list);
+    const std::string blocks = "blocks.list=" + (folder / "blocks.csv").string();
+    ASSERT_EQ(
+        run_quarry_a(folder / "field", {"--set", "release.count=20", "--set", "model.dimension=2", "--set", blocks})
+            .code,
+        0);
+    const Outcome run = in_plane("sweep", folder / "field", folder / "out",
+                                 {"--sets", "100", "--set", blocks, "--set", "model.time_limit=100,200"});
+    ASSERT_EQ(run.code, 0) << run.err;
+    const json j = json::parse(text_of(folder / "out" / "sweep.json"));
+    EXPECT_THAT(j.at("values")[0].at("told_apart").get<double>(), testing::AllOf(Gt(0.0), Lt(0.16)));
+    EXPECT_THAT(j.at("values")[0].at("told_apart"), j.at("values")[1].at("told_apart"));
+}
+
 // Results may go where no folder is yet, and the journal stands beside them.
 TEST(Calibrate, TheJournalMakesItsFolder) {
     const TempDir folder;
