@@ -74,6 +74,7 @@ DiagnoseBudget diagnose_budget(const SiteSettings& site, std::size_t free_parame
         budget.search.starts *= 2;
         budget.search.generations *= 2;
         budget.search.repeats *= kFull;
+        budget.search.final_repeats *= kFull;
     }
     budget.search = with_budget_of(budget.search, free_parameters + 1);  // of one effect; the model without has no less
     return budget;

@@ -28,19 +28,29 @@ double percent_within(const std::vector<double>& values, double from, double to)
     return 100.0 * static_cast<double>(inside) / static_cast<double>(values.size());
 }
 
+/// In percent.
+Pair share_of(double measured, double simulated, double of) {
+    return {"", measured, simulated, std::sqrt(simulated * (100.0 - simulated) / of), " %"};
+}
+
+std::optional<Pair> of_shares(const ShareEstimate& measured, const ShareEstimate& simulated) {
+    if (measured.of == 0 || simulated.of == 0) return std::nullopt;
+    return share_of(100.0 * measured.share(), 100.0 * simulated.share(), static_cast<double>(measured.of));
+}
+
 /// Of one observable alone: share, stops in a stretch.
 std::optional<Pair> of_observable(const Residual& r, const ComparedObservable& o) {
-    const auto share = [](double measured, double simulated, std::size_t of) {
-        return Pair{"", measured, simulated, std::sqrt(simulated * (100.0 - simulated) / static_cast<double>(of)),
-                    " %"};
-    };
-    if (r.kind == ResidualKind::Passed && o.measured_share.of > 0)
-        return share(100.0 * o.measured_share.share(), 100.0 * o.simulated_share.share(),
-                     static_cast<std::size_t>(o.measured_share.of));
-    if (o.measured.empty() || o.simulated.empty()) return std::nullopt;
-    if (r.kind == ResidualKind::Window)
-        return share(percent_within(o.measured, r.from, r.to), percent_within(o.simulated, r.from, r.to),
-                     o.measured.size());
+    if (r.kind == ResidualKind::Passed) return of_shares(o.measured_share, o.simulated_share);
+    if (r.kind != ResidualKind::Window || o.measured.empty() || o.simulated.empty()) return std::nullopt;
+    return share_of(percent_within(o.measured, r.from, r.to), percent_within(o.simulated, r.from, r.to),
+                    static_cast<double>(o.measured.size()));
+}
+
+/// The zones are columns of one observable.
+std::optional<Pair> of_zone(const DiagnoseStudy& study, const Residual& r) {
+    for (const SharePair& zone : study.before.zones)
+        if (zone.name == study.zones[static_cast<std::size_t>(r.column.place)])
+            return of_shares(zone.measured, zone.simulated);
     return std::nullopt;
 }
 
@@ -174,6 +184,7 @@ std::optional<Pair> pair_of(const DiagnoseStudy& study, const Residual& r) {
         factor = o.factor;
         unit = " " + o.unit;
     }
+    if (r.column.quantity == Quantity::InZone) return of_zone(study, r);
     switch (r.kind) {
         case ResidualKind::Level:
         case ResidualKind::Spread:

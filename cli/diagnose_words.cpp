@@ -174,11 +174,14 @@ std::string subject_of(const DiagnoseStudy& study, const Residual& r) {
     return residual_name(plain, study.screens, study.zones);
 }
 
-/// "ground_drag, on loose waste (drag in contact)", of two effects both.
+/// "ground_drag, on loose waste (drag in contact)", of two effects both; of a family the words of the form that is named.
 std::string described(const AnswerFit& answer) {
     std::string text;
-    for (const AnsweredEffect& e : answer.effects)
-        text += (text.empty() ? "" : " and ") + variant_name(e.variant) + " (" + e.candidate->title + ")";
+    for (const AnsweredEffect& e : answer.effects) {
+        const bool in_catalogue = !e.variant.space && !e.variant.probe;
+        text += (text.empty() ? "" : " and ") + variant_name(e.variant) + " (" +
+                (in_catalogue ? effect_info(e.variant.kind).title : e.candidate->title) + ")";
+    }
     return text;
 }
 

@@ -41,7 +41,9 @@ std::string chance_text(const Gap& gap) {
 
 std::string p_text(double p) {
     if (!std::isfinite(p)) return "-";
-    return p < 0.0015 ? "0.001" : gis::axis_number(p, p < 0.0995 ? 0.001 : 0.01);
+    if (!(p > 0.0)) return "0";
+    const double digit = p < 0.001 ? std::pow(10.0, std::floor(std::log10(p))) : p < 0.0995 ? 0.001 : 0.01;
+    return gis::axis_number(p, digit);
 }
 
 std::string padded(std::string text, std::size_t width) {

@@ -24,7 +24,7 @@ std::string percent(std::int64_t part, std::int64_t whole);
 std::string gap_number(double value);
 /// 95 % of what chance gives: "0.62 to 1.71".
 std::string chance_text(const Gap& gap);
-/// "0.001" also for what is smaller: draws of chance are too few to tell.
+/// "0.30", "0.047", "0.0005": of small ones one digit, which is as small as the draws of chance can tell.
 std::string p_text(double p);
 
 /// A column of a table, filled up with spaces.

@@ -51,6 +51,7 @@ TEST(DiagnoseBudget, FullSearchesLongerWithMoreBlocks) {
     EXPECT_EQ(full.search.starts, 2 * usual.search.starts);
     EXPECT_EQ(full.search.generations, 2 * usual.search.generations);
     EXPECT_EQ(full.search.repeats, 3 * usual.search.repeats);
+    EXPECT_EQ(full.search.final_repeats, 3 * usual.search.final_repeats);
     EXPECT_EQ(full.search.seed, full.test.seed);
 }
 

@@ -3,6 +3,7 @@
 #include "cli/diagnose_words.hpp"
 
 #include "cli/diagnose_models.hpp"
+#include "cli/text.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -124,6 +125,39 @@ TEST(DiagnoseWords, StopsInAStretchAreToldAsShares) {
                 AllOf(HasSubstr("are more than simulated: 50 % measured, 10 % simulated (5.2")));
 }
 
+TEST(DiagnoseWords, AProbabilityHasTheDigitsThatItCanHave) {
+    const auto text = [](double p) { return p_text(p); };
+    EXPECT_EQ(text(0.504), "0.50");
+    EXPECT_EQ(text(0.0471), "0.047");
+    EXPECT_EQ(text(1.0 / 1000.0), "0.001");
+    EXPECT_EQ(text(1.0 / 2000.0), "0.0005");
+    EXPECT_EQ(text(1.0 / 10000.0), "0.0001");
+    EXPECT_EQ(text(kNaN), "-");
+}
+
+TEST(DiagnoseWords, DepositZonesAreToldAsShares) {
+    DiagnoseStudy study = unknown({0.9}, 0.3);
+    study.zones = {"upper", "lower"};
+    study.diagnosis.residuals.push_back({ResidualKind::Passed, {Quantity::InZone, 1}, {}, 0.0, 0.0});
+    study.diagnosis.score.standardised = Eigen::VectorXd::Constant(1, -3.3);
+    study.diagnosis.test.residual_p = Eigen::VectorXd::Constant(1, 0.005);
+    study.before.zones = {{"upper", kNaN, {5, 20}, {60, 400}}, {"lower", kNaN, {10, 20}, {360, 400}}};
+    EXPECT_THAT(where_sentences(study).front(),
+                HasSubstr("share that stops in lower is lower than simulated: 50 % measured, 90 % simulated (3.3"));
+}
+
+// Single trees and a stand as a zone are one family, and each has words of its own.
+TEST(DiagnoseWords, AFamilyIsDescribedByTheFormThatIsNamed) {
+    DiagnoseStudy study = unknown({0.99}, 0.3);
+    study.verdict = Verdict::Named;
+    const DiagnosisCandidate forest{"forest_drag", effect_info(EffectKind::ForestDrag).title, false, {}};
+    DiagnosisVariant trees;
+    trees.kind = EffectKind::Trees;
+    study.answers.emplace_back().effects.push_back({&forest, trees, {}, 1.0, {}});
+    EXPECT_THAT(verdict_sentence(study), HasSubstr(effect_info(EffectKind::Trees).title));
+    EXPECT_THAT(verdict_sentence(study), Not(HasSubstr(forest.title)));
+}
+
 /// Six blocks, of 100 kg and each twice the one before, and what was measured and simulated of them.
 struct SixBlocks {
     DiagnoseStudy study = unknown({0.9}, 0.3);
@@ -177,7 +211,6 @@ TEST(DiagnoseWords, EveryVerdictHasItsSentence) {
         fit.effects.back().variant.label = "linear";
         fit.model.result.held_out.loss = -1.0;
     }
-    study.catalogue.candidates[0].title = "soft ground";
     study.verdict = Verdict::Group;
     EXPECT_EQ(verdict_sentence(study), "GROUP: ground_drag or soil_patch; these measurements cannot tell them apart");
     const std::vector<std::string> remarks = diagnose_remarks(study);
@@ -185,7 +218,7 @@ TEST(DiagnoseWords, EveryVerdictHasItsSentence) {
     EXPECT_THAT(remarks, Contains(StartsWith("ground_drag would show in "))) << "which measurement would tell";
     study.answers.pop_back();
     study.verdict = Verdict::Named;
-    EXPECT_EQ(verdict_sentence(study), "NAMED: ground_drag, linear (soft ground)");
+    EXPECT_EQ(verdict_sentence(study), "NAMED: ground_drag, linear (soft ground, slow motion)");
     EXPECT_THAT(diagnose_remarks(study), Contains("the name is the best of 2 that were searched"));
     study.verdict = Verdict::DataProblem;
     EXPECT_EQ(verdict_sentence(study),
