@@ -2,6 +2,7 @@
 #include "cli/diagnose_report.hpp"
 
 #include "cli/account.hpp"
+#include "cli/calibrate_report.hpp"
 #include "cli/commands.hpp"
 #include "cli/compare_report.hpp"
 #include "cli/diagnose_consequences.hpp"
