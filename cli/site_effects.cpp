@@ -45,13 +45,18 @@ SoilId soil_number(const SiteSettings& s, const std::string& name, const std::st
 }
 
 /// A crest that falls between the nodes is lost.
-void warn_of_narrow_berm(const Effect& berm, const SiteTerrain& terrain, std::vector<std::string>& warnings) {
+void warn_of_low_berm(const Effect& berm, const SiteTerrain& terrain, std::vector<std::string>& warnings) {
+    constexpr double kLow = 0.8;  // of the height that is asked for [-]
     if (berm.kind != EffectKind::Berm) return;
-    const double cell = terrain.data.grid.shape.cell, width = berm.value("width");
-    if (width >= 4.0 * cell) return;
+    const double height = berm.value("height");
+    const BermCrest crest = crest_of(berm, terrain.data.grid.shape);
+    if (!(crest.lowest < kLow * height)) return;
     std::ostringstream text;
-    text << "effect berm: its width of " << width << " m is less than four cells of " << cell
-         << " m: its crest is cut down between the nodes of the terrain; take a finer terrain.resolution";
+    text.precision(3);
+    text << "effect berm: its crest is cut down between the nodes of the terrain, to " << crest.mean
+         << " m in the mean and " << crest.lowest << " m at the lowest where " << height
+         << " m are asked for: take a finer terrain.resolution (cells of " << terrain.data.grid.shape.cell
+         << " m now), a sixteenth of its width of " << berm.value("width") << " m for nine tenths of the height";
     warnings.push_back(text.str());
 }
 
@@ -119,7 +124,7 @@ void load_effects(const SiteFile& site, SiteTerrain& terrain) {
         } catch (const InputError& e) {
             throw InputError(site.file.string() + ": " + e.what());
         }
-        if (effect.place.stations.empty()) warn_of_narrow_berm(effect, terrain, terrain.effect_warnings);
+        if (effect.place.stations.empty()) warn_of_low_berm(effect, terrain, terrain.effect_warnings);
         terrain.effects.push_back(std::move(effect));
     }
 }

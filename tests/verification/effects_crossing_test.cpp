@@ -182,6 +182,32 @@ TEST(Berm, RaisesAGridByItsSection) {
     EXPECT_NEAR(end.at(13, 8), 0.0 + 2.0 * std::max(0.0, 1.0 - std::hypot(3.0, 3.0) / 4.0), 1e-12);
 }
 
+// Along rows of nodes the crest stands as asked, between them it is cut down.
+TEST(Berm, IsLowerBetweenTheNodes) {
+    const GridShape shape{41, 41, 1.0, {0.0, 0.0}};
+    Effect berm = effect_with(EffectKind::Berm, {{"height", 2.0}, {"width", 8.0}});
+    const auto crest = [&](const Vec2& from, const Vec2& to) {
+        berm.place.lines = {Points{{from.x(), from.y(), kNaN}, {to.x(), to.y(), kNaN}}};
+        return crest_of(berm, shape);
+    };
+    EXPECT_NEAR(crest({10.5, 5.5}, {10.5, 30.5}).lowest, 2.0, 1e-12);
+    EXPECT_NEAR(crest({11.0, 5.5}, {11.0, 30.5}).lowest, 2.0 * (1.0 - 2.0 * 0.5 / 8.0), 1e-12);
+    // from south-west to north-east the line crosses the diagonals, whose ends are cells / sqrt(2) away
+    const BermCrest across = crest({5.5, 5.5}, {30.5, 30.5});
+    EXPECT_NEAR(across.lowest, 2.0 * (1.0 - 2.0 * std::sqrt(0.5) / 8.0), 0.01);
+    EXPECT_NEAR(across.mean, 0.5 * (2.0 + across.lowest), 0.01);
+    EXPECT_TRUE(std::isnan(crest({-20.0, 5.0}, {-20.0, 30.0}).mean)) << "off the terrain";
+    // as a surface has it
+    Grid<double> ground(shape, 100.0);
+    berm.place.lines = {Points{{4.2, 7.1, kNaN}, {33.9, 21.3, kNaN}}};
+    raise_berms(std::vector<Effect>{berm}, ground);
+    const auto surface = make_grid_surface(ground, std::vector<SoilId>(2 * 40 * 40, 0));
+    double lowest = kInfinity;
+    for (int k = 0; k <= 1000; ++k)
+        lowest = std::min(lowest, surface->height(Vec2(4.2, 7.1) + k / 1000.0 * Vec2(29.7, 14.2)) - 100.0);
+    EXPECT_NEAR(crest_of(berm, shape).lowest, lowest, 0.01);
+}
+
 TEST(Berm, GivesAProfileCrestAndFeet) {
     const std::vector<Vec3> points{{0, 0, 50}, {30, 0, 35}, {60, 0, 35}};
     const std::vector<SoilId> soil{0, 1};

@@ -182,6 +182,12 @@ std::vector<Effect> effects_along(std::span<const Effect> effects, const Profile
 /// Berms onto the terrain: height + H max(0, 1 - 2 d / W) at the distance d from their lines; several add up. Of a grid the nodes are
 /// raised, so that a berm much narrower than the cells is lost; a profile gets vertices at foot and crest.
 void raise_berms(std::span<const Effect> effects, Grid<double>& heights);
+/// How high a berm drawn on the map stands above the ground along its line, facets spanning the raised nodes of such a grid (all cells parted from
+/// north-west to south-east). NaN where its line passes no cell.
+struct BermCrest {
+    double lowest = kNaN, mean = kNaN;  ///< [m]
+};
+BermCrest crest_of(const Effect& berm, const GridShape& shape);
 Profile raise_berms(std::span<const Effect> effects, const Profile& profile);
 
 /// What an effect needs to know of a block.

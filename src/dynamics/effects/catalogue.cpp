@@ -217,7 +217,9 @@ constexpr EffectInfo kCatalogue[] = {
     {K::Berm, "berm", "a dam, or a terrain model that lacks one", H::Terrain, kOnLines,
      "height of the ground + H max(0, 1 - 2 d / W), d the distance from the line", "geometry",
      "stops just uphill, heights just downhill",
-     "Nodes are raised: cells of more than W / 4 cut the crest down; in 2D, placed by from, it is exact.", kBerm},
+     "Nodes are raised, and between them the crest is lower: by up to 1.4 cells / W of its height; in 2D, placed by "
+     "from, it is exact.",
+     kBerm},
     {K::Fragmentation, "fragmentation", "blocks break", H::Impact, kOnGroundAtImpact,
      "an impact with v_n >= speed leaves a block of the same form with `share` of volume and mass, with its centre of "
      "mass and velocities",

@@ -237,6 +237,34 @@ void raise_berms(std::span<const Effect> effects, Grid<double>& heights) {
             heights.at(column, row) += raised_by(effects, heights.shape.centre(column, row));
 }
 
+BermCrest crest_of(const Effect& berm, const GridShape& shape) {
+    constexpr double kSamplesOfACell = 8.0;
+    BermCrest crest;
+    double sum = 0.0, count = 0.0;
+    const auto raise = [&](int column, int row) { return raised_by({&berm, 1}, shape.centre(column, row)); };
+    const auto add = [&](const Vec2& p) {
+        const Vec2 at = (p - shape.centre(0, 0)) / shape.cell;
+        const int column = static_cast<int>(std::floor(at.x())), row = static_cast<int>(std::floor(at.y()));
+        if (!shape.contains(column, row) || !shape.contains(column + 1, row + 1)) return;
+        const double east = at.x() - column, north = at.y() - row;
+        const double height = raise(column + 1, row) * (east + north < 1.0 ? east : 1.0 - north) +
+                              raise(column, row + 1) * (east + north < 1.0 ? north : 1.0 - east) +
+                              (east + north < 1.0 ? raise(column, row) * (1.0 - east - north)
+                                                  : raise(column + 1, row + 1) * (east + north - 1.0));
+        crest.lowest = std::fmin(crest.lowest, height);
+        sum += height;
+        count += 1.0;
+    };
+    for (const Points& line : berm.place.lines)
+        for (std::size_t k = 1; k < line.size(); ++k) {
+            const Vec2 from = line[k - 1].head<2>(), way = line[k].head<2>() - from;
+            const double steps = std::ceil(kSamplesOfACell * way.norm() / shape.cell);
+            for (double i = 0.0; i <= steps; ++i) add(from + way * (steps > 0.0 ? i / steps : 0.0));
+        }
+    if (count > 0.0) crest.mean = sum / count;
+    return crest;
+}
+
 Profile raise_berms(std::span<const Effect> effects, const Profile& profile) {
     Profile result = profile;
     if (!has_berm(effects) || profile.empty()) return result;
