@@ -30,25 +30,28 @@ OGRMultiPolygon to_ogr(const MultiPolygon& polygons) {
     return result;
 }
 
-void add_parts(const OGRGeometry& geometry, Overlap& overlap) {
+double area_of(const OGRGeometry& geometry) {
+    double area = 0.0;
     if (OGR_GT_IsSubClassOf(geometry.getGeometryType(), wkbGeometryCollection)) {
-        for (const OGRGeometry* part : *geometry.toGeometryCollection()) add_parts(*part, overlap);
+        for (const OGRGeometry* part : *geometry.toGeometryCollection()) area += area_of(*part);
     } else if (wkbFlatten(geometry.getGeometryType()) == wkbPolygon) {
-        const OGRPolygon& polygon = *geometry.toPolygon();
-        overlap.area += polygon.get_Area();
-        for (const OGRLinearRing* ring : polygon) overlap.perimeter += ring->get_Length();
+        area = geometry.toPolygon()->get_Area();
     }
+    return area;
 }
 
 }  // namespace
 
-Overlap polygon_overlap(const MultiPolygon& a, const MultiPolygon& b) {
+Overlap polygon_overlap(const MultiPolygon& a, const MultiPolygon& b, double width) {
     const GdalScope scope;
     const OGRMultiPolygon first = to_ogr(a), second = to_ogr(b);
     const std::unique_ptr<OGRGeometry> common(first.Intersection(&second));
     if (!common) throw ComputeError(words("The overlap of two polygons could not be computed", scope.reason(), "."));
-    Overlap overlap;
-    add_parts(*common, overlap);
+    Overlap overlap{area_of(*common), false};
+    if (!(overlap.area > 0.0)) return overlap;
+    const std::unique_ptr<OGRGeometry> inside(common->Buffer(-0.5 * width));
+    if (!inside) throw ComputeError(words("The overlap of two polygons could not be measured", scope.reason(), "."));
+    overlap.is_wide = area_of(*inside) > 0.0;
     return overlap;
 }
 

@@ -6,11 +6,11 @@
 namespace scree::gis {
 
 struct Overlap {
-    double area = 0.0;       ///< [m^2]
-    double perimeter = 0.0;  ///< [m]
+    double area = 0.0;     ///< [m^2]
+    bool is_wide = false;  ///< somewhere it is wider than asked for
 };
 
-/// What two areas have in common (GEOS).
-Overlap polygon_overlap(const MultiPolygon& a, const MultiPolygon& b);
+/// What two areas have in common (GEOS), and whether a strip of the `width` [m] finds room in it.
+Overlap polygon_overlap(const MultiPolygon& a, const MultiPolygon& b, double width);
 
 }  // namespace scree::gis

@@ -13,8 +13,8 @@ namespace scree::gis {
 
 namespace {
 
-constexpr double kSliverWidth = 0.05;  // mean width of an overlap that is taken for inexact drawing [m]
-constexpr int kBins = 128;             // bins along each axis of the index [-]
+constexpr double kSliverWidth = 0.1;  // an overlap that is nowhere wider is taken for inexact drawing [m]
+constexpr int kBins = 128;            // bins along each axis of the index [-]
 
 std::string listed(const std::vector<std::string>& names) {
     std::string text;
@@ -115,9 +115,9 @@ void SoilZones::check_overlaps(const VectorData& polygons) {
             if (first->soil == second->soil || first->priority != second->priority ||
                 !order[a].first.overlaps(order[b].first))
                 continue;
-            const Overlap overlap = polygon_overlap(first->polygons, second->polygons);
+            const Overlap overlap = polygon_overlap(first->polygons, second->polygons, kSliverWidth);
             if (overlap.area <= 0) continue;
-            if (2 * overlap.area < kSliverWidth * overlap.perimeter) {
+            if (!overlap.is_wide) {
                 sliver_area += overlap.area;
                 ++slivers;
             } else if (++conflicts <= 3) {

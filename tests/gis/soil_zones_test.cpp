@@ -155,6 +155,14 @@ TEST(SoilZones, SliversOfDigitisingAreWarnedOf) {
     EXPECT_EQ(zones.soil_at({5.005, 20}), 0);
 }
 
+// A field drawn into its neighbour by 1 m, at the end of a long border that is drawn a little inexactly.
+TEST(SoilZones, AnOverlapDoesNotHideBehindSlivers) {
+    const Ring scree{{5, 0}, {90, 0}, {90, 400}, {4, 400}, {4, 399}, {5, 399}};
+    const std::vector<Zone> zones{{rectangle(0, 0, 5.01, 400), "rock"}, {scree, "scree"}};  // 5 m2 along 800 m
+    EXPECT_THAT(test::input_error_of([&] { zones_of(zones); }),
+                HasSubstr("features 1 ('rock') and 2 ('scree') by 5.0 m2"));
+}
+
 TEST(SoilZones, WithoutPolygonsTheDefaultHolds) {
     const FacetSoils soils = assign_soils(
         SoilZones({.field = "soil", .priority_field = "", .soils = kSoils, .default_soil = 1}), flat(4, 4));
