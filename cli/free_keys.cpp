@@ -194,9 +194,10 @@ namespace {
 
 /// Keys of which one must not exceed the other, wherever a search goes: the site with the first at its highest and the second at its lowest must be one.
 void require_ordered(const SiteFile& site, const FreeKeys& keys) {
-    static constexpr std::array kLower{"blocks.volume_min", "blocks.ratio_21_min", "blocks.ratio_32_min",
-                                       "model.activation_gap"},
-        kUpper{"blocks.volume_max", "blocks.ratio_21_max", "blocks.ratio_32_max", "model.release_gap"};
+    static constexpr std::array kLower{"blocks.volume_min", "blocks.density_spread", "blocks.ratio_21_min",
+                                       "blocks.ratio_32_min", "model.activation_gap"},
+        kUpper{"blocks.volume_max", "blocks.density", "blocks.ratio_21_max", "blocks.ratio_32_max",
+               "model.release_gap"};
     const auto has = [](const auto& list, const std::string& name) {
         return std::find(list.begin(), list.end(), name) != list.end();
     };

@@ -87,7 +87,7 @@ void add_blocks(std::vector<Setting<SiteSettings>>& keys) {
         blocks.number("volume_max", "m3", kVolumes, AT(distribution.volume_max), "Largest volume of the other laws."));
     keys.push_back(blocks.number("volume_sigma", "-", kPositive, AT(distribution.sigma),
                                  "log_normal: standard deviation of ln(volume)."));
-    keys.push_back(blocks.number("volume_exponent", "-", kPositive, AT(distribution.exponent),
+    keys.push_back(blocks.number("volume_exponent", "-", {1e-3, 20}, AT(distribution.exponent),
                                  "power_law: the number of blocks above v falls as v to the minus this."));
     keys.push_back(blocks.number("density", "kg/m3", {500, 5000}, AT(distribution.density),
                                  "Of the rock; mass = density x volume (blocks of a list bring their mass)."));

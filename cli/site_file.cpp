@@ -237,6 +237,8 @@ void check_together(const SiteFile& site) {
         ordered(s.distribution.volume_min, s.distribution.volume, "blocks.volume_min", "blocks.volume, the median,");
         ordered(s.distribution.volume, s.distribution.volume_max, "blocks.volume, the median,", "blocks.volume_max");
     }
+    ordered(s.distribution.density_spread, 0.9 * s.distribution.density, "blocks.density_spread",
+            "nine tenths of blocks.density");
     ordered(s.distribution.ratio_21[0], s.distribution.ratio_21[1], "blocks.ratio_21_min", "blocks.ratio_21_max");
     ordered(s.distribution.ratio_32[0], s.distribution.ratio_32[1], "blocks.ratio_32_min", "blocks.ratio_32_max");
     ordered(s.dynamics.activation_gap, s.dynamics.release_gap, "model.activation_gap", "model.release_gap");
