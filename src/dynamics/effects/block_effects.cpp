@@ -366,7 +366,7 @@ double BlockEffects<Dim>::change_time(const State& s, const DragFlight<Dim>& fli
 template <int Dim>
 void BlockEffects<Dim>::draw_next_tree(Part& p) {
     const double per_metre = p.value[1] * 1e-4 * (body_.length + p.value[0]);
-    p.memory = per_metre > 0.0 ? -std::log1p(-p.random.uniform()) / per_metre : kInfinity;
+    p.memory += per_metre > 0.0 ? -std::log1p(-p.random.uniform()) / per_metre : kInfinity;
 }
 
 /// Takes energy from the motion, speed and spin alike.
@@ -398,9 +398,10 @@ void BlockEffects<Dim>::cross(Part& p, const Vec& from, double& kinetic, State& 
             lose(capacity * tree_share(offset), kinetic, s);
     } else if (acts_on_flight_at(p, 0.5 * (from + s.position))) {
         p.memory -= (plan(s.position) - plan(from)).norm();
-        if (p.memory > 0.0) return;
-        lose(capacity * tree_share(p.random.uniform()), kinetic, s);
-        draw_next_tree(p);
+        while (p.memory <= 0.0) {  // of a dense stand a step may meet several
+            lose(capacity * tree_share(p.random.uniform()), kinetic, s);
+            draw_next_tree(p);
+        }
     }
 }
 
