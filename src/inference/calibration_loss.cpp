@@ -177,6 +177,7 @@ CalibrationLoss::CalibrationLoss(GapFunction function) : function_(std::move(fun
 /// are 0 for all who did not pass is like no normal one, and would reward to deny what is rare.
 void CalibrationLoss::find_likelihoods() {
     const auto add = [&](Likelihood likelihood) {
+        if (likelihood.points.empty()) return;
         const std::size_t columns = likelihood.observable.columns.size();
         for (std::size_t c = 0; c < columns; ++c) {
             std::vector<double> column;
@@ -190,7 +191,7 @@ void CalibrationLoss::find_likelihoods() {
             likelihood.far.push_back(
                 std::max(std::sqrt(squares / static_cast<double>(column.size())), likelihood.least_spread.back()));
         }
-        if (!likelihood.points.empty()) likelihoods_.push_back(std::move(likelihood));
+        likelihoods_.push_back(std::move(likelihood));
     };
     std::set<std::int32_t> screens;  // of which it has been asked who passed
     for (const Part& part : parts_) {

@@ -283,6 +283,12 @@ TEST(Compare, AxisMayBeADirectionOrALine) {
     const Outcome point = line_to("point.geojson", "[890020,6670030],[890020,6670030]");
     EXPECT_EQ(point.code, 3);
     EXPECT_EQ(contents_of(folder.path()).count("point.geojson_out"), 0U);
+    const Outcome two = line_to("two.geojson",
+                                "[890020,6670030],[890040,6670030]]}},{\"type\":\"Feature\",\"properties\":{},"
+                                "\"geometry\":{\"type\":\"LineString\",\"coordinates\":["
+                                "[890040,6670030],[890040,6670050]");
+    EXPECT_EQ(two.code, 3);
+    EXPECT_THAT(two.err, HasSubstr("has 2 lines, but an axis is one"));
 }
 
 TEST(Compare, CountsAlongTheProfileIn2dAndOnDemandIn3d) {

@@ -184,6 +184,20 @@ TEST(Plane, CountsClose) {
     EXPECT_EQ(deposits, reasons["at_rest"]);
 }
 
+// A probability that one block in many makes keeps its digits.
+TEST(Plane, SmallProbabilitiesKeepTheirDigits) {
+    const TempDir folder;
+    const fs::path out = folder / "out";
+    ASSERT_EQ(run_2d(out, {"release.count=700"}).code, 0);
+    double least = 1.0;
+    for (const auto& row : curves_of(out)) {
+        const double share = std::stod(row.at("passages")) / 700.0;
+        EXPECT_NEAR(std::stod(row.at("reach_probability")), share, 1e-3 * share);
+        if (share > 0.0) least = std::min(least, share);
+    }
+    EXPECT_LT(least, 0.01);
+}
+
 TEST(Plane, ThreadsAndRepetitionDoNotChangeAByte) {
     const TempDir folder;
     const fs::path out = folder / "out";

@@ -43,8 +43,9 @@ std::vector<PointRow> read_points(const fs::path& file, const std::string& layer
     if (!rows) return points;
     for (const auto& feature : *rows) {
         PointRow point;
-        const OGRPoint* p = feature->GetGeometryRef()->toPoint();
-        point.at = {p->getX(), p->getY(), p->getZ()};
+        const OGRGeometry* shape = feature->GetGeometryRef();
+        if (wkbFlatten(shape->getGeometryType()) == wkbPoint)
+            point.at = {shape->toPoint()->getX(), shape->toPoint()->getY(), shape->toPoint()->getZ()};
         for (int k = 0; k < feature->GetFieldCount(); ++k)
             point.values[feature->GetFieldDefnRef(k)->GetNameRef()] = feature->GetFieldAsString(k);
         points.push_back(std::move(point));

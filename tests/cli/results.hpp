@@ -18,7 +18,7 @@ struct PointRow {
     double number(const std::string& field) const { return std::stod(values.at(field)); }
 };
 
-/// Features of a point layer of a GeoPackage.
+/// Features of a layer of a GeoPackage; of lines and polygons the attributes alone.
 std::vector<PointRow> read_points(const std::filesystem::path& file, const std::string& layer);
 /// Names of the fields of a layer; empty if there is no such layer.
 std::set<std::string> fields_of(const std::filesystem::path& file, const std::string& layer);

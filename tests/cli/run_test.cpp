@@ -12,6 +12,7 @@
 #include <gtest/gtest.h>
 
 #include <fstream>
+#include <set>
 
 namespace scree::test {
 namespace {
@@ -58,6 +59,34 @@ TEST(Run, WritesEveryLayerWithItsFields) {
     for (const char* layer : {"stopping_points", "trajectories", "release_points", "screen_crossings", "deposit_zones",
                               "screens", "release_zones"})
         EXPECT_EQ(crs_code_of(gpkg, layer), "2154") << layer;
+}
+
+// A release area has the number that its blocks carry, whatever fields the input has.
+TEST(Run, ReleaseZonesHaveTheNumbersOfTheirBlocks) {
+    const TempDir folder;
+    const fs::path file = folder / "releases.geojson", out = folder / "out";
+    put_two_releases(file);
+    std::string text = text_of(file);
+    const std::string none = "\"properties\":{}";
+    text.replace(text.find(none), none.size(), "\"properties\":{\"release_feature\":7}");
+    put(file, text);
+    ASSERT_EQ(run_quarry_a(out, {"--set", "release.file=" + file.string(), "--set", "model.dimension=2"}).code, 0);
+    std::set<std::string> zones, blocks;
+    for (const PointRow& zone : read_points(out / "results.gpkg", "release_zones"))
+        zones.insert(zone.values.at("release_feature"));
+    for (const PointRow& block : read_points(out / "results.gpkg", "release_points"))
+        blocks.insert(block.values.at("release_feature"));
+    EXPECT_EQ(zones.size(), 2U);
+    EXPECT_EQ(zones, blocks);
+}
+
+TEST(Check, NamesTheColumnsOfBlocksThatAreNotRead) {
+    const TempDir folder;
+    put(folder / "blocks.csv", "block_id,mass_kg,L1_m,L2_m,L3_m,colour\nA,508,0.96,0.65,0.61,grey\n");
+    const Outcome run = scree_program(
+        {"check", (quarry_a() / "site.toml").string(), "--set", "blocks.list=" + (folder / "blocks.csv").string()});
+    ASSERT_EQ(run.code, 0) << run.err;
+    EXPECT_THAT(run.out, HasSubstr("columns that are not read: colour;"));
 }
 
 TEST(Run, KeepsTheFirstImpacts) {

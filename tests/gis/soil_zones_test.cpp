@@ -72,7 +72,13 @@ TEST(SoilZones, EveryFacetTakesTheSoilAtItsCentroid) {
     EXPECT_NEAR(soils.report.gap_area, 8.0, 1e-9);
     EXPECT_NEAR(soils.report.divided_area, 4.0,
                 1e-9);  // the cells from x = 3 to 4; at x = 8 the boundary runs along edges
-    EXPECT_THAT(soils.report.warnings, Contains(HasSubstr("8.0 m2 (20.0 %)")));
+    EXPECT_THAT(soils.report.warnings, testing::ElementsAre(HasSubstr("8.0 m2 (20.0 %)")));
+}
+
+TEST(SoilZones, WarnsWhereBoundariesDivideMuchOfTheTerrain) {
+    const FacetSoils soils = assign_soils(zones_of({{rectangle(-10, -10, 1.5, 50), "rock"}}), flat(4, 5));
+    EXPECT_NEAR(soils.report.divided_area, 4.0, 1e-9);  // of 12
+    EXPECT_THAT(soils.report.warnings, Contains(HasSubstr("divide facets of 4.0 m2 (33.3 %)")));
 }
 
 TEST(SoilZones, MeshAndGridAgree) {
