@@ -158,7 +158,7 @@ CalibrationLoss::CalibrationLoss(GapFunction function) : function_(std::move(fun
         Part part;
         part.observable = observable;
         const double length = observable.counts.empty() ? add_rows(part) : add_counts(part);
-        if (part.records.size() < 2 || !(length > 0.0)) continue;
+        if (part.measured.records.size() < 2 || !(length > 0.0)) continue;
         yardsticks.push_back(length);
         const std::string place = place_of(observable, function_.op());
         part.place = static_cast<std::size_t>(std::find(places_.begin(), places_.end(), place) - places_.begin());
@@ -167,7 +167,7 @@ CalibrationLoss::CalibrationLoss(GapFunction function) : function_(std::move(fun
     }
     // so that the mean over all records is the mean over the observables of their mean scores in units of the yardstick
     for (std::size_t k = 0; k < parts_.size(); ++k) {
-        const double share = static_cast<double>(parts_[k].records.size()) / static_cast<double>(records_);
+        const double share = static_cast<double>(parts_[k].measured.records.size()) / static_cast<double>(records_);
         parts_[k].weight = 1.0 / (share * yardsticks[k] * static_cast<double>(parts_.size()));
     }
     find_likelihoods();
@@ -176,13 +176,13 @@ CalibrationLoss::CalibrationLoss(GapFunction function) : function_(std::move(fun
 /// What the logarithmic score looks at: the parts, but of known blocks at a screen who passed, once, and how those moved that did: a distribution of numbers that
 /// are 0 for all who did not pass is like no normal one, and would reward to deny what is rare.
 void CalibrationLoss::find_likelihoods() {
-    const auto add = [&](Likelihood likelihood) {
-        if (likelihood.points.empty()) return;
-        const std::size_t columns = likelihood.observable.columns.size();
-        for (std::size_t c = 0; c < columns; ++c) {
+    const auto add = [&](const Observable& observable, bool of_block, Values measured) {
+        if (measured.points.empty()) return;
+        Likelihood likelihood{observable, of_block, std::move(measured), {}, {}};
+        for (std::size_t c = 0; c < observable.columns.size(); ++c) {
             std::vector<double> column;
             double squares = 0.0;
-            for (const std::vector<double>& point : likelihood.points) {
+            for (const std::vector<double>& point : likelihood.measured.points) {
                 column.push_back(point[c]);
                 squares += point[c] * point[c];
             }
@@ -196,42 +196,37 @@ void CalibrationLoss::find_likelihoods() {
     std::set<std::int32_t> screens;  // of which it has been asked who passed
     for (const Part& part : parts_) {
         if (!is_motion_or_none(part.observable)) {
-            add({part.observable, part.observable.matched, part.records, part.points});
+            add(part.observable, part.observable.matched, part.measured);
             continue;
         }
         const Column passed{Quantity::Passed, part.observable.columns.front().place};
         if (screens.insert(passed.place).second) {
-            Observable passing{"", "-", {passed}, true, true, false, {}};
-            add(with_measured({std::move(passing), true}));
+            const Observable passing{"", "-", {passed}, true, true, false, {}};
+            add(passing, true, measured_of(passing, true));
         }
         Observable moving = part.observable;
         moving.matched = false;  // nothing where a block did not pass
-        add(with_measured({std::move(moving), true}));
+        add(moving, true, measured_of(moving, true));
     }
 }
 
-CalibrationLoss::Likelihood CalibrationLoss::with_measured(Likelihood likelihood) const {
+CalibrationLoss::Values CalibrationLoss::measured_of(const Observable& observable, bool of_block) const {
     const ObservationTable& measured = function_.measured();
+    Values values;
     for (std::size_t row = 0; row < measured.rows(); ++row) {
-        std::vector<double> point = point_of(measured, row, likelihood.observable);
-        if (point.empty() || (likelihood.of_block && measured.block[row] < 0)) continue;
-        likelihood.records.push_back(row);
-        likelihood.points.push_back(std::move(point));
+        std::vector<double> point = point_of(measured, row, observable);
+        if (point.empty() || (of_block && measured.block[row] < 0)) continue;
+        values.records.push_back(row);
+        values.points.push_back(std::move(point));
     }
-    return likelihood;
+    return values;
 }
 
 double CalibrationLoss::add_rows(Part& part) const {
-    const ObservationTable& measured = function_.measured();
+    part.measured = measured_of(part.observable, part.observable.matched);
     PointSample points{part.observable.columns.size(), {}};
-    for (std::size_t row = 0; row < measured.rows(); ++row) {
-        std::vector<double> point = point_of(measured, row, part.observable);
-        if (point.empty() || (part.observable.matched && measured.block[row] < 0)) continue;
-        append(points, point);
-        part.records.push_back(row);
-        part.points.push_back(std::move(point));
-    }
-    return part.records.size() < 2 ? 0.0 : yardstick(points, part.observable.share);
+    for (const std::vector<double>& point : part.measured.points) append(points, point);
+    return points.size() < 2 ? 0.0 : yardstick(points, part.observable.share);
 }
 
 double CalibrationLoss::add_counts(Part& part) {
@@ -245,15 +240,16 @@ double CalibrationLoss::add_counts(Part& part) {
     }
     // blocks of no name: zone after zone as many as were counted, the rest elsewhere; zones exclude each other if their counts allow it
     std::int64_t first = 0;
-    part.points.assign(static_cast<std::size_t>(thrown), std::vector<double>(counts.size(), 0.0));
+    part.measured.points.assign(static_cast<std::size_t>(thrown), std::vector<double>(counts.size(), 0.0));
     for (std::size_t z = 0; z < counts.size(); ++z) {
         const double share =
             static_cast<double>(counts[z].count) / static_cast<double>(std::max<std::int64_t>(counts[z].thrown, 1));
         const auto hits = std::llround(share * static_cast<double>(thrown));
-        for (std::int64_t k = 0; k < hits; ++k) part.points[static_cast<std::size_t>((first + k) % thrown)][z] = 1.0;
+        for (std::int64_t k = 0; k < hits; ++k)
+            part.measured.points[static_cast<std::size_t>((first + k) % thrown)][z] = 1.0;
         first += hits;
     }
-    for (std::int64_t k = 0; k < thrown; ++k) part.records.push_back(records_++);
+    for (std::int64_t k = 0; k < thrown; ++k) part.measured.records.push_back(records_++);
     return length;
 }
 
@@ -305,16 +301,16 @@ bool CalibrationLoss::add_scores(const Part& part, const ObservationTable& simul
     const Observable& o = part.observable;
     const std::map<std::int32_t, PointSample> members = members_of(o, o.matched, simulated);
     std::map<std::int32_t, Forecast> forecasts;
-    for (std::size_t k = 0; k < part.records.size(); ++k) {
-        const std::int32_t block = o.matched ? function_.measured().block[part.records[k]] : -1;
+    for (std::size_t k = 0; k < part.measured.records.size(); ++k) {
+        const std::int32_t block = o.matched ? function_.measured().block[part.measured.records[k]] : -1;
         auto forecast = forecasts.find(block);
         if (forecast == forecasts.end()) {
             const auto own = members.find(block);
             if (own == members.end() || own->second.size() < kLeastRepeats) return false;
             forecast = forecasts.try_emplace(block, own->second, o.share).first;
         }
-        const Score score = forecast->second.score(part.points[k]);
-        const std::size_t record = part.records[k];
+        const Score score = forecast->second.score(part.measured.points[k]);
+        const std::size_t record = part.measured.records[k];
         loss.loss[record] += part.weight * score.score;
         loss.floor[record] += part.weight * score.floor;
         loss.loss_at[part.place][record] += part.weight * score.score;
@@ -336,12 +332,12 @@ void CalibrationLoss::add_log_scores(const Likelihood& likelihood, const Observa
         return LogForecast(likelihood.far);
     };
     std::map<std::int32_t, LogForecast> forecasts;
-    for (std::size_t k = 0; k < likelihood.records.size(); ++k) {
-        const std::size_t record = likelihood.records[k];
+    for (std::size_t k = 0; k < likelihood.measured.records.size(); ++k) {
+        const std::size_t record = likelihood.measured.records[k];
         const std::int32_t block = likelihood.of_block ? function_.measured().block[record] : -1;
         auto forecast = forecasts.find(block);
         if (forecast == forecasts.end()) forecast = forecasts.emplace(block, forecast_of(block)).first;
-        log_loss[record] += forecast->second.loss(likelihood.points[k]);
+        log_loss[record] += forecast->second.loss(likelihood.measured.points[k]);
     }
 }
 

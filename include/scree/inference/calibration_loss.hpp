@@ -39,27 +39,30 @@ public:
     SimulatedLoss operator()(const CampaignResult& campaign, std::uint64_t seed) const;
 
 private:
+    struct Values {
+        std::vector<std::size_t> records = {};         ///< with a value [-]
+        std::vector<std::vector<double>> points = {};  ///< their values [unit of the observable]
+    };
     struct Part {
         Observable observable;
-        std::size_t place = 0;                    ///< index into the places [-]
-        double weight = 0.0;                      ///< of its scores in the loss of a record [1 / unit of the values]
-        std::vector<std::size_t> records;         ///< with a value of it [-]
-        std::vector<std::vector<double>> points;  ///< their values [unit of the values]
+        std::size_t place = 0;  ///< index into the places [-]
+        double weight = 0.0;    ///< of its scores in the loss of a record [1 / unit of the values]
+        Values measured;
     };
     /// What counts in the logarithmic score: the likelihood of each record under what was simulated of its block, or of all.
     struct Likelihood {
-        Observable observable;  ///< whose values count
+        Observable observable;
         bool of_block = false;
-        std::vector<std::size_t> records = {};         ///< with a value of it [-]
-        std::vector<std::vector<double>> points = {};  ///< their values [unit of the values]
-        std::vector<double> least_spread = {};         ///< that simulations are believed to have, per column [as above]
-        std::vector<double> far = {};  ///< root of the mean square of what was measured, per column [as above]
+        Values measured;
+        std::vector<double> least_spread;  ///< that simulations are believed to have, per column [unit of the values]
+        std::vector<double> far;  ///< root of the mean square of what was measured, per column [unit of the values]
     };
-    /// Fill records and points of a part, and return its yardstick.
+    /// Of known blocks alone, or of every record.
+    Values measured_of(const Observable& observable, bool of_block) const;
+    /// Fill what was measured of a part, and return its yardstick.
     double add_rows(Part& part) const;
     double add_counts(Part& part);
     void find_likelihoods();
-    Likelihood with_measured(Likelihood likelihood) const;
     bool add_scores(const Part& part, const ObservationTable& simulated, SimulatedLoss& loss) const;
     void add_log_scores(const Likelihood& likelihood, const ObservationTable& simulated,
                         std::vector<double>& log_loss) const;
