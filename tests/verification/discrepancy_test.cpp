@@ -209,6 +209,27 @@ TEST(PooledGap, GrowsWithTheShiftAsItShould) {
     }
 }
 
+// Of a distance, which chance can only enlarge: blocks drawn again are farther away than the blocks were.
+TEST(WassersteinGap, LiesWithinItsInterval) {
+    for (const double shift : {0.0, 0.5, 2.0}) {
+        int covered = 0;
+        for (std::uint64_t r = 0; r < 100; ++r) {
+            RandomStream random = stream(300 + r);
+            const auto simulated = pool(draws(kSimulated, [&] { return random.normal(); }));
+            const auto measured = pool(draws(41, [&] { return shift + random.normal(); }));
+            const std::vector<double> scales{1.0};
+            const WassersteinGap gap =
+                compare_tables(measured, simulated, std::span(&kPooled, 1), scales, {kDraws, r, true})
+                    .observables[0]
+                    .wasserstein.value();
+            EXPECT_LE(gap.interval.low, gap.distance);
+            EXPECT_GE(gap.interval.high, gap.distance);
+            covered += gap.interval.low <= shift && shift <= gap.interval.high;
+        }
+        EXPECT_GE(covered, shift > 0.0 ? 88 : 0) << shift;
+    }
+}
+
 /// Forty blocks, each with a law of its own, the heavier the farther.
 struct MatchedTest {
     ObservationTable measured, simulated;
@@ -404,13 +425,13 @@ ObservationTable correlated_table(std::size_t blocks, std::size_t each, bool kno
 }
 
 /// With `missing`, only every second block that passed was filmed: its speed is then one of those that passed, and who passed counts for itself.
-Account overall_tests(bool known, double shift, int repetitions, bool missing = false) {
+Account overall_tests(bool known, double shift, int repetitions, bool missing = false, std::size_t in_pool = 800) {
     constexpr std::size_t kBlocks = 40;
     Account account;
     for (int r = 0; r < repetitions; ++r) {
         RandomStream random = stream(7000 + static_cast<std::uint64_t>(r));
         const ObservationTable simulated =
-            known ? correlated_table(kBlocks, 20, true, 0.0, random) : correlated_table(800, 1, false, 0.0, random);
+            known ? correlated_table(kBlocks, 20, true, 0.0, random) : correlated_table(in_pool, 1, false, 0.0, random);
         ObservationTable measured = correlated_table(kBlocks, 1, known, shift, random);
         for (std::size_t b = 0; missing && b < kBlocks; b += 2) measured.values[2][b] = kNaN;
         std::vector<Observable> observables{
@@ -434,6 +455,13 @@ TEST(OverallGap, OfDependentObservablesIsOneUnderTheNullWithinItsIntervals) {
         EXPECT_GE(account.in_interval, 0.92 * kRepetitions) << what;
         EXPECT_GT(overall_tests(known, 0.8, 100).significant, 90) << what;
     }
+}
+
+// No more simulated than measured blocks: chance is known less well, but not as if nearly all of them were drawn and held against the rest.
+TEST(OverallGap, OfAsManySimulatedAsMeasuredBlocksIsNearlyAtItsLevel) {
+    const Account account = overall_tests(false, 0.0, kRepetitions, false, 40);
+    EXPECT_NEAR(moments(account.gaps).mean, 1.0, 0.1);
+    EXPECT_LT(account.significant, 0.09 * kRepetitions);
 }
 
 TEST(OverallGap, OfKnownBlocksOfWhichHalfWereFilmedIsOneUnderTheNull) {
