@@ -455,13 +455,10 @@ private:
             for (const CalibrationPoint& rival : rivals) keep_the_better(best, rival, judged(rival));
         }
         for (std::size_t p = 0; p < plan_.places; ++p)
-            result_.places.push_back({problem_.places[p],
-                                      {},
-                                      {},
-                                      {},
-                                      fit_of(at_place(start, p), {}),
-                                      fit_of(at_place(best, p), {}),
-                                      {0.0, 0.0}});
+            result_.places.push_back({.name = problem_.places[p],
+                                      .start = fit_of(at_place(start, p), {}),
+                                      .best = fit_of(at_place(best, p), {}),
+                                      .held_out = {0.0, 0.0}});
         if (plan_.folds > 0) hold_blocks_out(start);
         for (std::size_t p = 0; p < plan_.places; ++p) leave_out(p);
         for (std::size_t p = 0; p < plan_.paths; ++p) leave_out(problem_.paths[p], start, best);

@@ -165,12 +165,12 @@ struct CalibrationFold {
 /// A place, or a path, that the calibration was not told about, and what it predicts there.
 struct CalibrationPlace {
     std::string name;
-    CalibrationPoint point;                ///< best for the others
-    CalibrationFit training, test;         ///< of the others, of the one left out
-    CalibrationFit start, best, held_out;  ///< there: uncalibrated; of the calibration that knows all; over all folds
-    bool is_path = false;                  ///< blocks that went down it, with all that was measured on them
-    bool was_seen =
-        false;  ///< `point` is what all records together chose: what was left out had its part in finding it
+    CalibrationPoint point = {};              ///< best for the others
+    CalibrationFit training = {}, test = {};  ///< of the others, of the one left out
+    /// There: uncalibrated; of the calibration that knows all; over all folds.
+    CalibrationFit start = {}, best = {}, held_out = {};
+    bool is_path = false;   ///< blocks that went down it, with all that was measured on them
+    bool was_seen = false;  ///< `point` is that of all records: what was left out had its part in finding it
 };
 
 /// How well the quadratic describes the losses around the best point.

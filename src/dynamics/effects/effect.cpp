@@ -2,6 +2,7 @@
 #include "scree/base/assert.hpp"
 #include "scree/base/error.hpp"
 #include "scree/dynamics/effects.hpp"
+#include "scree/geometry/surface.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -241,25 +242,29 @@ BermCrest crest_of(const Effect& berm, const GridShape& shape) {
     constexpr double kSamplesOfACell = 8.0;
     BermCrest crest;
     double sum = 0.0, count = 0.0;
-    const auto raise = [&](int column, int row) { return raised_by({&berm, 1}, shape.centre(column, row)); };
-    const auto add = [&](const Vec2& p) {
-        const Vec2 at = (p - shape.centre(0, 0)) / shape.cell;
-        const int column = static_cast<int>(std::floor(at.x())), row = static_cast<int>(std::floor(at.y()));
-        if (!shape.contains(column, row) || !shape.contains(column + 1, row + 1)) return;
-        const double east = at.x() - column, north = at.y() - row;
-        const double height = raise(column + 1, row) * (east + north < 1.0 ? east : 1.0 - north) +
-                              raise(column, row + 1) * (east + north < 1.0 ? north : 1.0 - east) +
-                              (east + north < 1.0 ? raise(column, row) * (1.0 - east - north)
-                                                  : raise(column + 1, row + 1) * (east + north - 1.0));
-        crest.lowest = std::fmin(crest.lowest, height);
-        sum += height;
-        count += 1.0;
-    };
     for (const Points& line : berm.place.lines)
         for (std::size_t k = 1; k < line.size(); ++k) {
-            const Vec2 from = line[k - 1].head<2>(), way = line[k].head<2>() - from;
-            const double steps = std::ceil(kSamplesOfACell * way.norm() / shape.cell);
-            for (double i = 0.0; i <= steps; ++i) add(from + way * (steps > 0.0 ? i / steps : 0.0));
+            const Vec2 from = line[k - 1].head<2>(), to = line[k].head<2>();
+            const Vec2 low = from.cwiseMin(to), high = from.cwiseMax(to);
+            GridShape around = shape;  // the nodes about this piece of the line
+            const int west = std::max(shape.column_of(low.x()) - 1, 0), south = std::max(shape.row_of(low.y()) - 1, 0);
+            around.columns = std::min(shape.column_of(high.x()) + 2, shape.columns) - west;
+            around.rows = std::min(shape.row_of(high.y()) + 2, shape.rows) - south;
+            if (around.columns < 2 || around.rows < 2) continue;
+            around.origin += shape.cell * Vec2(west, south);
+            Grid<double> raised(around, 0.0);
+            raise_berms({&berm, 1}, raised);
+            const auto surface = make_grid_surface(
+                std::move(raised), std::vector<SoilId>(2 * static_cast<std::size_t>(around.columns - 1) *
+                                                       static_cast<std::size_t>(around.rows - 1)));
+            const double steps = std::max(std::ceil(kSamplesOfACell * (to - from).norm() / shape.cell), 1.0);
+            for (double step = 0.0; step <= steps; ++step) {
+                const double height = surface->height(from + step / steps * (to - from));
+                if (!std::isfinite(height)) continue;
+                crest.lowest = std::fmin(crest.lowest, height);
+                sum += height;
+                count += 1.0;
+            }
         }
     if (count > 0.0) crest.mean = sum / count;
     return crest;
