@@ -88,6 +88,15 @@ double from_unit(const CalibrationParameter& p, double u) {
     return std::clamp(v, p.low, p.high);
 }
 
+CalibratedModel at_start_of(const CalibrationResult& refit, CalibratedModel model) {
+    model.result.best = refit.start;
+    model.result.best_fit = refit.start_fit;
+    for (std::size_t k = 0; k < model.result.places.size(); ++k) model.result.places[k].best = refit.places[k].start;
+    model.as_followed = true;
+    take_best(model, model.strengths.size());
+    return model;
+}
+
 bool in_space(const std::vector<AnsweredEffect>& effects) {
     return strengths_of(effects) < effects.size();
 }
@@ -180,12 +189,7 @@ CompareStudy DiagnosedModels::compared(const CalibratedModel& model, const std::
 void DiagnosedModels::stay_as_followed(const CalibrationResult& refit, const std::vector<AnsweredEffect>& effects,
                                        CalibratedModel& model, CompareStudy& compared_model, CampaignResult& campaign) {
     if (!is_far_beyond(compared_model)) return;
-    CalibratedModel followed = model;
-    followed.result.best = refit.start;
-    followed.result.best_fit = refit.start_fit;
-    followed.as_followed = true;
-    for (CalibrationPlace& place : followed.result.places) place.best = place.start;
-    take_best(followed, followed.strengths.size());
+    CalibratedModel followed = at_start_of(refit, model);
     CampaignResult of_followed;
     CompareStudy study = compared(followed, effects, of_followed);
     if (study_.interrupted || !(study.overall.gap < compared_model.overall.gap)) return;

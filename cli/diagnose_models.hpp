@@ -28,6 +28,9 @@ bool in_space(const std::vector<AnsweredEffect>& effects);
 /// little of a strength: it has to stay here.
 Interval strength_range(const AnsweredEffect& effect);
 
+/// The model at the point where `refit`, a calibration of the same problem, began. What was held out stays as its own calibration predicted it.
+CalibratedModel at_start_of(const CalibrationResult& refit, CalibratedModel model);
+
 /// Whoever interrupts is told by `study.interrupted`; what is returned then counts for nothing.
 class DiagnosedModels {
 public:

@@ -55,6 +55,27 @@ TEST(DiagnoseBudget, FullSearchesLongerWithMoreBlocks) {
     EXPECT_EQ(full.search.seed, full.test.seed);
 }
 
+// The refit that begins at what was followed need not be the calibration that the model has: what the model leaves there is told by the former, by place, too.
+TEST(DiagnoseModels, AModelGoesBackToWhereAnotherCalibrationBegan) {
+    CalibratedModel model;
+    model.strengths = {0.7};
+    model.result.start = {{0.1, 0.2}, {}};
+    model.result.best = {{0.3, 0.7}, {}};
+    model.result.best_fit = {5.0, 1.0};
+    model.result.places.push_back({.name = "ES1", .start = {9.0, 1.0}, .best = {5.0, 1.0}, .held_out = {6.0, 1.0}});
+    CalibrationResult refit = model.result;
+    refit.start = {{0.4, 0.8}, {}};
+    refit.start_fit = {3.0, 1.0};
+    refit.places[0].start = {3.5, 1.0};
+    const CalibratedModel back = at_start_of(refit, model);
+    EXPECT_TRUE(back.as_followed);
+    EXPECT_EQ(back.point.values, std::vector<double>{0.4});
+    EXPECT_EQ(back.strengths, std::vector<double>{0.8});
+    EXPECT_EQ(back.result.best_fit.loss, 3.0);
+    EXPECT_EQ(back.result.places[0].best.loss, 3.5);
+    EXPECT_EQ(back.result.places[0].held_out.loss, 6.0);
+}
+
 TEST(DiagnoseRefits, AnAnswerThatClosesTheGapAndPredictsBetterStays) {
     DiagnoseStudy study = study_of({answer("ground_drag", 4.7, 0.9)});
     judge_refits(study);
