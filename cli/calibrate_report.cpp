@@ -5,11 +5,10 @@
 #include "cli/commands.hpp"
 #include "cli/compare_report.hpp"
 #include "cli/html.hpp"
+#include "cli/json.hpp"
 #include "cli/settings.hpp"
 #include "cli/text.hpp"
 #include "gis/svg.hpp"
-
-#include <nlohmann/json.hpp>
 
 #include <algorithm>
 #include <cmath>
@@ -19,8 +18,6 @@
 namespace scree::cli {
 
 namespace {
-
-using Json = nlohmann::ordered_json;
 namespace fs = std::filesystem;
 
 constexpr double kWorthTelling = 0.7;  // correlations and shares of a direction from here on [-]
@@ -242,7 +239,7 @@ std::string places_json(const CalibrationResult& result) {
                         {"blocks_held_out", fit_json(p.held_out)},
                         {"left_out", fit_json(p.test)},
                         {"left_out_was_seen", p.was_seen}});
-    return json.dump();
+    return json_text(json, -1);
 }
 
 std::string calibrate_json(const CalibrationReport& r) {
@@ -315,7 +312,7 @@ std::string calibrate_json(const CalibrationReport& r) {
     json["remarks"] = calibration_remarks(r);
     json["inputs"] = r.inputs;
     json["plausible_values"] = result.draws;
-    return json.dump(1) + "\n";
+    return json_text(json, 1) + "\n";
 }
 
 namespace {

@@ -1,17 +1,14 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "cli/calibration_journal.hpp"
 
+#include "cli/json.hpp"
 #include "scree/base/error.hpp"
-
-#include <nlohmann/json.hpp>
 
 #include <sstream>
 
 namespace scree::cli {
 
 namespace {
-
-using Json = nlohmann::ordered_json;
 
 std::string line_of(const CalibrationEvaluation& e) {
     Json json;
@@ -25,7 +22,7 @@ std::string line_of(const CalibrationEvaluation& e) {
     json["loss_at"] = e.result.loss_at;
     json["floor_at"] = e.result.floor_at;
     json["log_loss"] = e.result.log_loss;
-    return json.dump();
+    return json_text(json, -1);
 }
 
 CalibrationEvaluation evaluation_of(const Json& json) {
@@ -49,21 +46,30 @@ CalibrationEvaluation evaluation_of(const Json& json) {
 
 JournalFile::JournalFile(std::filesystem::path file, const std::string& subject, bool resume) : file_(std::move(file)) {
     if (resume) read(subject);
-    std::error_code ignored;  // what matters is whether it can be written then
-    if (file_.has_parent_path()) std::filesystem::create_directories(file_.parent_path(), ignored);
-    // written anew: a last line that was cut short disappears
-    out_.open(file_, std::ios::binary | std::ios::trunc);
+    std::error_code error;  // of the folder it does not matter: what does is whether the file can be written then
+    if (file_.has_parent_path()) std::filesystem::create_directories(file_.parent_path(), error);
+    // written anew, without a last line that was cut short, and in the place of the old one when it is whole
+    std::filesystem::path draft = file_;
+    draft += ".part";
+    out_.open(draft, std::ios::binary | std::ios::trunc);
     out_ << subject << "\n";
-    check();
-    write(journal);
+    try {
+        write(journal);
+    } catch (const ComputeError&) {
+        std::filesystem::remove(draft, error);
+        throw;
+    }
+    std::filesystem::rename(draft, file_, error);
+    if (error) throw ComputeError(file_.string() + " cannot be written: " + error.message());
 }
 
 void JournalFile::read(const std::string& subject) {
     std::ifstream in(file_, std::ios::binary);
     std::string line;
-    if (!in || !std::getline(in, line))
+    if (!in)
         throw InputError("there is no calibration to go on with: " + file_.string() +
-                         " does not exist; begin one without --resume");
+                         " does not exist or cannot be read; begin one without --resume");
+    if (!std::getline(in, line)) return;  // ended before it had begun
     if (line != subject)
         throw InputError(file_.string() +
                          " belongs to a calibration of something else: the site, its inputs, the measurements, the "

@@ -13,8 +13,8 @@ namespace scree::cli {
 /// read back exactly.
 class JournalFile {
 public:
-    /// Continues a file (`resume`) or begins one; an existing one is replaced. Throws InputError if a file to be continued is missing or about something
-    /// else, ComputeError if it cannot be written.
+    /// Continues a file (`resume`) or begins one; an existing one is replaced at once, or stays as it is. Throws InputError if a file to be continued is
+    /// missing or about something else, ComputeError if it cannot be written.
     JournalFile(std::filesystem::path file, const std::string& subject, bool resume);
 
     /// What the file held when it was opened.

@@ -4,14 +4,13 @@
 #include "cli/campaign_layers.hpp"
 #include "cli/commands.hpp"
 #include "cli/field_test.hpp"
+#include "cli/json.hpp"
 #include "cli/progress.hpp"
 #include "cli/settings.hpp"
 #include "cli/text.hpp"
 #include "gis/dataset.hpp"
 #include "gis/results_writer.hpp"
 #include "scree/inference/calibration_loss.hpp"
-
-#include <nlohmann/json.hpp>
 
 #include <algorithm>
 #include <ostream>
@@ -25,7 +24,7 @@ namespace fs = std::filesystem;
 /// Everything that the simulations depend on, on one line: what a journal belongs to.
 std::string subject_of(const SiteFile& site, const SiteModel& model, const ObservedSite& observed, const FreeKeys& keys,
                        const std::vector<std::string>& free) {
-    nlohmann::ordered_json json;
+    Json json;
     json["calibration"] = site.settings.name;
     json["program"] = "scree " + version();
     json["free"] = free;
@@ -37,7 +36,7 @@ std::string subject_of(const SiteFile& site, const SiteModel& model, const Obser
     for (const gis::InputFile& file : model.files) json["inputs"].push_back(file.sha256);
     for (const gis::InputFile& file : observed.files) json["observations"].push_back(file.sha256);
     json["parameters"] = keys.problem.parameters.size();
-    return json.dump();
+    return json_text(json, -1);
 }
 
 /// The journal beside the folder of results: it must outlive an interruption.

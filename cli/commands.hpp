@@ -10,10 +10,6 @@
 #include <string>
 #include <vector>
 
-namespace CLI {
-class App;
-}
-
 namespace scree::cli {
 
 enum class ProgressStyle { Automatic, Json };

@@ -1,14 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "cli/commands.hpp"
 #include "cli/compare_report.hpp"
-
-#include <nlohmann/json.hpp>
+#include "cli/json.hpp"
 
 namespace scree::cli {
 
 namespace {
-
-using Json = nlohmann::ordered_json;
 
 Json pair(double low, double high) {
     return Json::array({low, high});
@@ -136,7 +133,7 @@ std::string compare_json(const CompareStudy& study, const SiteModel& model, cons
                             {"sentence", f.sentence}});
     json["findings"] = findings;
     json["sources"] = observed.sources;
-    return json.dump(1, ' ', false, Json::error_handler_t::replace) + "\n";
+    return json_text(json, 1) + "\n";
 }
 
 }  // namespace scree::cli

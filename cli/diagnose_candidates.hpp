@@ -80,7 +80,7 @@ DiagnosisCatalogue make_candidates(const SiteFile& calibrated, const SiteModel& 
 inline constexpr const char* kThirdDimension = "third_dimension";
 
 /// Forces without a name, for what has none: they say in which phase of the motion, at which speeds, masses and places something is missing. As candidates:
-/// against the motion while the block touches the ground, growing with powers of speed and of mass (each of kSpeedPowers with each of kMassPowers); the same all
+/// against the motion while the ground bears the block, growing with powers of speed and of mass (each of kSpeedPowers with each of kMassPowers); the same all
 /// the way, in flight as well, proportional to speed over mass; bounces that are weaker; and the first, proportional to the speed, on a stretch of the path.
 DiagnosisCatalogue make_forces(const SiteFile& calibrated, const SiteModel& model, const ObservedSite& observed,
                                const FreeKeys& keys);

@@ -21,16 +21,8 @@ constexpr double kWidth = 760.0, kPanel = 170.0, kGap = 64.0, kLeft = 74.0, kTop
 constexpr const char* kBeforeColour = "#8c8c8c";
 
 std::vector<AtScreen> at_screens(const DiagnoseStudy& study, const CampaignResult& campaign) {
-    std::vector<std::vector<const ScreenCrossing*>> first(study.screens.size());
-    const std::span<const ScreenCrossing> crossings = campaign.crossings;  // by block
-    for (std::size_t from = 0, to = 0; from < crossings.size(); from = to) {
-        while (to < crossings.size() && crossings[to].block == crossings[from].block) ++to;
-        const auto of_block = first_crossings(crossings.subspan(from, to - from), study.screen_of, first.size());
-        for (std::size_t s = 0; s < first.size(); ++s)
-            if (of_block[s]) first[s].push_back(of_block[s]);
-    }
     std::vector<AtScreen> all;
-    for (const auto& at : first) {
+    for (const auto& at : first_crossings_of_all(campaign.crossings, study.screen_of, study.screens.size())) {
         const auto high = [&](auto value) {
             std::vector<double> values;
             for (const ScreenCrossing* c : at) values.push_back(value(*c));
@@ -86,7 +78,7 @@ Figure along_profile(const DiagnoseStudy& study, const AnswerFit& answer, const 
     const ProfileTrack& on = model.campaign.tracks[track];
     const auto high = [](CellQuantity quantity) {
         return [q = static_cast<std::size_t>(quantity)](const CellStatistics& s) {
-            return kQuantities[q].factor * s.quantities[q].histogram.quantile(kShare);
+            return kQuantities[q].factor * s.quantities[q].quantile(kShare);
         };
     };
     std::vector<Curves> panels;

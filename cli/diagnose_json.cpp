@@ -8,8 +8,7 @@
 #include "cli/diagnose_refits.hpp"
 #include "cli/diagnose_report.hpp"
 #include "cli/diagnose_words.hpp"
-
-#include <nlohmann/json.hpp>
+#include "cli/json.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -17,8 +16,6 @@
 namespace scree::cli {
 
 namespace {
-
-using Json = nlohmann::ordered_json;
 
 Json finding_json(const DiagnoseStudy& study, const EffectFinding& f) {
     const DiagnosisVariant v = study.variant_of(f);
@@ -100,6 +97,99 @@ Json answer_json(const DiagnoseStudy& study, const AnswerFit& a, const AnsweredE
     return json;
 }
 
+/// What an answer changes at the screens, a row for each.
+void add_at_screens(const DiagnoseStudy& study, Json& json) {
+    for (std::size_t k = 0; k < study.answers.size(); ++k)
+        for (const ScreenChange& c : changes_at_screens(study, k)) {
+            Json row{{"screen", c.screen}, {"with", study.answers[k].name()}};
+            for (const ChangedValue& v : values_of(c)) {
+                row["calibrated"][v.name] = v.before;
+                row["extended"][v.name] = v.after;
+            }
+            json["at_screens"].push_back(row);
+        }
+}
+
+Json restarted_json(const DiagnoseStudy& study) {
+    Json json = Json::array();
+    for (const InnovationRow& r : innovation_rows(study))
+        json.push_back({{"from", r.from},
+                        {"to", r.to},
+                        {"what", r.what},
+                        {"blocks", r.blocks},
+                        {"measured", r.measured},
+                        {"simulated", r.simulated},
+                        {"standard_errors", r.standardised},
+                        {"beyond_chance", r.stands_out}});
+    return json;
+}
+
+/// The global test and its residuals; of a plan their names only.
+void add_test(const DiagnoseStudy& study, Json& json) {
+    const Diagnosis& d = study.diagnosis;
+    if (d.residuals.empty()) return;
+    json["global_test"] = {
+        {"level", study.settings.level}, {"z_limit", d.test.z_limit}, {"residual_limit", d.test.residual_limit}};
+    if (!study.planning) {
+        json["global_test"]["q"] = d.score.q;
+        json["global_test"]["p"] = d.test.p;
+        json["global_test"]["p_any"] = d.test.p_q;
+        json["global_test"]["p_effect"] = d.test.p_z;
+        json["weight_none"] = d.weight_none;
+        json["weight_unnamed"] = d.weight_unnamed;
+    }
+    json["residuals"] = Json::array();
+    for (std::size_t k = 0; k < d.residuals.size(); ++k) {
+        Json row{{"name", residual_name(d.residuals[k], study.screens, study.zones)}};
+        if (!study.planning) {
+            row["standardised"] = d.score.standardised[static_cast<Eigen::Index>(k)];
+            row["p"] = d.test.residual_p[static_cast<Eigen::Index>(k)];
+        }
+        json["residuals"].push_back(row);
+    }
+}
+
+Json cosines_json(const Eigen::MatrixXd& cosines) {
+    Json json = Json::array();
+    for (Eigen::Index i = 0; i < cosines.rows(); ++i) {
+        Json row = Json::array();
+        for (Eigen::Index j = 0; j < cosines.cols(); ++j) row.push_back(cosines(i, j));
+        json.push_back(row);
+    }
+    return json;
+}
+
+/// The model without an answer: its parameters as calibrated, as the test ended with them, and as they are told.
+Json baseline_json(const DiagnoseStudy& study) {
+    Json baseline;
+    const std::vector<double>&calibrated = study.baseline.point.values, tested = study.tested_point().values;
+    const bool told = !study.answer();
+    for (std::size_t k = 0; k < calibrated.size(); ++k) {
+        const std::string& key = study.keys.problem.parameters[k].name;
+        baseline["calibrated"][key] = calibrated[k];
+        baseline["tested"][key] = tested[k];
+        if (told) baseline["told"][key] = study.told_point().values[k];
+    }
+    for (std::size_t k = 0; k < study.keys.problem.choices.size(); ++k) {
+        const CalibrationChoice& c = study.keys.problem.choices[k];
+        baseline["calibrated"][c.name] = c.levels[study.baseline.point.levels[k]];
+        baseline["tested"][c.name] = c.levels[study.tested_levels[k]];
+        if (told) baseline["told"][c.name] = c.levels[study.told_point().levels[k]];
+    }
+    baseline["gap_fitted"] = study.baseline.result.best_fit.gap();
+    baseline["gap_over_all"] = study.before.overall.gap;
+    baseline["gap_over_all_chance_95"] = ends_of(study.before.overall.chance);
+    if (told) baseline["gap_over_all_told"] = study.told().overall.gap;
+    if (told) baseline["gap_over_all_told_chance_95"] = ends_of(study.told().overall.chance);
+    if (!study.baseline.result.folds.empty()) {
+        baseline["held_out_loss"] = study.baseline.result.held_out.loss;
+        baseline["held_out_gap"] = study.baseline.result.held_out.gap();
+        baseline["held_out_was_seen"] = study.baseline.result.held_out_was_seen;
+        if (!study.baseline.result.places.empty()) baseline["places"] = Json::parse(places_json(study.baseline.result));
+    }
+    return baseline;
+}
+
 }  // namespace
 
 std::string diagnose_json(const DiagnoseStudy& study) {
@@ -114,31 +204,14 @@ std::string diagnose_json(const DiagnoseStudy& study) {
     json["answer"] = Json::array();
     for (const AnswerFit& a : study.answers)
         for (const AnsweredEffect& e : a.effects) json["answer"].push_back(answer_json(study, a, e));
-    for (std::size_t k = 0; k < study.answers.size(); ++k)
-        for (const ScreenChange& c : changes_at_screens(study, k)) {
-            Json row{{"screen", c.screen}, {"with", study.answers[k].name()}};
-            for (const ChangedValue& v : values_of(c)) {
-                row["calibrated"][v.name] = v.before;
-                row["extended"][v.name] = v.after;
-            }
-            json["at_screens"].push_back(row);
-        }
+    add_at_screens(study, json);
     json["audit"] = Json::array();
     for (const Finding& f : study.audit)
         json["audit"].push_back({{"check", f.check},
                                  {"severity", f.severity == Severity::Error ? "error" : "warning"},
                                  {"sentence", f.sentence}});
     json["where"] = where_sentences(study);
-    json["restarted"] = Json::array();
-    for (const InnovationRow& r : innovation_rows(study))
-        json["restarted"].push_back({{"from", r.from},
-                                     {"to", r.to},
-                                     {"what", r.what},
-                                     {"blocks", r.blocks},
-                                     {"measured", r.measured},
-                                     {"simulated", r.simulated},
-                                     {"standard_errors", r.standardised},
-                                     {"beyond_chance", r.stands_out}});
+    json["restarted"] = restarted_json(study);
     if (const std::vector<std::string> force = force_sentences(study); !force.empty()) {
         json["force"]["sentences"] = force;
         Eigen::Index at = 0;
@@ -154,71 +227,17 @@ std::string diagnose_json(const DiagnoseStudy& study) {
             {{"test", r.name}, {"effects_seen_at_reference", r.seen}, {"pairs_alike", r.alike}, {"also_seen", r.also}});
     json["remarks"] = diagnose_remarks(study);
     json["distances"] = study.distances;
-    if (!d.residuals.empty()) {
-        json["global_test"] = {
-            {"level", study.settings.level}, {"z_limit", d.test.z_limit}, {"residual_limit", d.test.residual_limit}};
-        if (!study.planning) {
-            json["global_test"]["q"] = d.score.q;
-            json["global_test"]["p"] = d.test.p;
-            json["global_test"]["p_any"] = d.test.p_q;
-            json["global_test"]["p_effect"] = d.test.p_z;
-            json["weight_none"] = d.weight_none;
-            json["weight_unnamed"] = d.weight_unnamed;
-        }
-        json["residuals"] = Json::array();
-        for (std::size_t k = 0; k < d.residuals.size(); ++k) {
-            Json row{{"name", residual_name(d.residuals[k], study.screens, study.zones)}};
-            if (!study.planning) {
-                row["standardised"] = d.score.standardised[static_cast<Eigen::Index>(k)];
-                row["p"] = d.test.residual_p[static_cast<Eigen::Index>(k)];
-            }
-            json["residuals"].push_back(row);
-        }
-    }
+    add_test(study, json);
     json["effects"] = Json::array();
     for (const EffectFinding& f : d.findings) json["effects"].push_back(finding_json(study, f));
-    json["cosines"] = Json::array();
-    for (Eigen::Index i = 0; i < d.cosines.rows(); ++i) {
-        Json row = Json::array();
-        for (Eigen::Index j = 0; j < d.cosines.cols(); ++j) row.push_back(d.cosines(i, j));
-        json["cosines"].push_back(row);
-    }
+    json["cosines"] = cosines_json(d.cosines);
     json["order_of_cosines"] = Json::array();
     for (const DiagnosisCandidate& c : study.catalogue.candidates) json["order_of_cosines"].push_back(c.name);
     json["not_searched"] = study.catalogue.left_out;
-    if (!study.planning && !study.baseline.result.parameters.empty()) {
-        Json baseline;
-        const std::vector<double>&calibrated = study.baseline.point.values, tested = study.tested_point().values;
-        const bool told = !study.answer();
-        for (std::size_t k = 0; k < calibrated.size(); ++k) {
-            const std::string& key = study.keys.problem.parameters[k].name;
-            baseline["calibrated"][key] = calibrated[k];
-            baseline["tested"][key] = tested[k];
-            if (told) baseline["told"][key] = study.told_point().values[k];
-        }
-        for (std::size_t k = 0; k < study.keys.problem.choices.size(); ++k) {
-            const CalibrationChoice& c = study.keys.problem.choices[k];
-            baseline["calibrated"][c.name] = c.levels[study.baseline.point.levels[k]];
-            baseline["tested"][c.name] = c.levels[study.tested_levels[k]];
-            if (told) baseline["told"][c.name] = c.levels[study.told_point().levels[k]];
-        }
-        baseline["gap_fitted"] = study.baseline.result.best_fit.gap();
-        baseline["gap_over_all"] = study.before.overall.gap;
-        baseline["gap_over_all_chance_95"] = ends_of(study.before.overall.chance);
-        if (told) baseline["gap_over_all_told"] = study.told().overall.gap;
-        if (told) baseline["gap_over_all_told_chance_95"] = ends_of(study.told().overall.chance);
-        if (!study.baseline.result.folds.empty()) {
-            baseline["held_out_loss"] = study.baseline.result.held_out.loss;
-            baseline["held_out_gap"] = study.baseline.result.held_out.gap();
-            baseline["held_out_was_seen"] = study.baseline.result.held_out_was_seen;
-            if (!study.baseline.result.places.empty())
-                baseline["places"] = Json::parse(places_json(study.baseline.result));
-        }
-        json["baseline"] = baseline;
-    }
+    if (!study.planning && !study.baseline.result.parameters.empty()) json["baseline"] = baseline_json(study);
     json["simulated_blocks"] = d.simulated_blocks;
     json["inputs"] = study.inputs;
-    return json.dump(1) + "\n";
+    return json_text(json, 1) + "\n";
 }
 
 }  // namespace scree::cli

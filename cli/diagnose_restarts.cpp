@@ -11,20 +11,6 @@ namespace scree::cli {
 
 namespace {
 
-/// The first simulated crossings of each screen of the observations by every block.
-std::vector<std::vector<const ScreenCrossing*>> simulated_crossings(const ObservationOperator& op,
-                                                                    const CampaignResult& campaign) {
-    std::vector<std::vector<const ScreenCrossing*>> screens(op.screens.size());
-    const std::span<const ScreenCrossing> all = campaign.crossings;
-    for (std::size_t from = 0, to = 0; from < all.size(); from = to) {  // block by block
-        while (to < all.size() && all[to].block == all[from].block) ++to;
-        const auto first = first_crossings(all.subspan(from, to - from), op.screen_of, screens.size());
-        for (std::size_t k = 0; k < screens.size(); ++k)
-            if (first[k]) screens[k].push_back(first[k]);
-    }
-    return screens;
-}
-
 double variance_of_mean(const std::vector<double>& values) {
     const double deviation = summary_of(values).deviation;
     return deviation * deviation / static_cast<double>(values.size());
@@ -105,7 +91,8 @@ public:
 
     /// False: stopped.
     bool run(std::vector<ScreenInnovation>& all) {
-        const auto crossings = simulated_crossings(observed_.op, campaign_);
+        const auto crossings =
+            first_crossings_of_all(campaign_.crossings, observed_.op.screen_of, observed_.op.screens.size());
         std::vector<std::int32_t> passed;  // by anybody, of those that measured
         for (std::size_t k = 0; k < crossings.size(); ++k)
             if (const auto screen = static_cast<std::int32_t>(k);

@@ -46,22 +46,13 @@ const Mark* mark_of(Quantity quantity) {
     }
 }
 
-/// Chainages of the screens along the axis of the observations; NaN for one that does not cut it.
+/// Of the screens of the observations, along their axis; of several parts the first. NaN where a screen does not cut it.
 std::vector<double> screen_places(const SiteModel& model, const ObservedSite& observed) {
-    const Axis& axis = observed.op.axis;
+    const std::vector<double> chainages = screen_chainages(model, observed.op.axis);
     std::vector<double> along(observed.op.screens.size(), kNaN);
-    for (std::size_t k = 0; k < model.campaign.screens.size(); ++k) {
-        double at = kNaN;
-        if (const Screen& screen = model.campaign.screens[k]; !screen.line.empty()) {
-            at = axis.crossing(screen.line);
-        } else {
-            for (const ProfileTrack& track : model.campaign.tracks)
-                for (const ProfileTrack::Mark& mark : track.marks)
-                    if (mark.screen == static_cast<std::int32_t>(k) && std::isnan(at))
-                        at = axis.place(track.profile.place_at(mark.s)).along;
-        }
+    for (std::size_t k = 0; k < chainages.size(); ++k) {
         double& known = along[static_cast<std::size_t>(observed.op.screen_of[k])];
-        if (std::isfinite(at) && !(known <= at)) known = at;
+        if (std::isfinite(chainages[k]) && !(known <= chainages[k])) known = chainages[k];
     }
     return along;
 }

@@ -192,25 +192,36 @@ private:
 
 namespace {
 
-/// Keys of which one must not exceed the other, wherever a search goes: the site with the first at its highest and the second at its lowest must be one.
+/// Keys of which one must not exceed the other, wherever a search goes: with the first at its highest and the second at its lowest the site must still be one,
+/// whatever law its blocks follow (some orders hold for one law only).
 void require_ordered(const SiteFile& site, const FreeKeys& keys) {
-    static constexpr std::array kLower{"blocks.volume_min", "blocks.density_spread", "blocks.ratio_21_min",
-                                       "blocks.ratio_32_min", "model.activation_gap"},
-        kUpper{"blocks.volume_max", "blocks.density", "blocks.ratio_21_max", "blocks.ratio_32_max",
-               "model.release_gap"};
-    const auto has = [](const auto& list, const std::string& name) {
-        return std::find(list.begin(), list.end(), name) != list.end();
-    };
-    std::vector<std::string> changes;
-    for (std::size_t i = 0; i < keys.problem.parameters.size(); ++i) {
-        const CalibrationParameter& p = keys.problem.parameters[i];
-        const bool lower = has(kLower, p.name);
-        if (lower || has(kUpper, p.name)) changes.push_back(p.name + "=" + keys.text(i, lower ? p.high : p.low));
-    }
-    try {
-        with_changes(site, changes);
-    } catch (const InputError& e) {
-        throw InputError(std::string("the ranges of the free parameters overlap: ") + e.what());
+    static constexpr std::array<std::array<const char*, 2>, 7> kOrdered{
+        {{"blocks.volume_min", "blocks.volume_max"},
+         {"blocks.volume_min", "blocks.volume"},
+         {"blocks.volume", "blocks.volume_max"},
+         {"blocks.density_spread", "blocks.density"},
+         {"blocks.ratio_21_min", "blocks.ratio_21_max"},
+         {"blocks.ratio_32_min", "blocks.ratio_32_max"},
+         {"model.activation_gap", "model.release_gap"}}};
+    std::vector<std::string> laws{""};
+    for (const CalibrationChoice& c : keys.problem.choices)
+        if (c.name == "blocks.volume_law") laws = c.levels;
+    for (const auto& pair : kOrdered) {
+        std::vector<std::string> changes;
+        for (std::size_t i = 0; i < keys.problem.parameters.size(); ++i) {
+            const CalibrationParameter& p = keys.problem.parameters[i];
+            if (p.name == pair[0]) changes.push_back(p.name + "=" + keys.text(i, p.high));
+            if (p.name == pair[1]) changes.push_back(p.name + "=" + keys.text(i, p.low));
+        }
+        for (const std::string& law : laws) {
+            std::vector<std::string> with_law = changes;
+            if (!law.empty()) with_law.push_back("blocks.volume_law=" + choice_text(law));
+            try {
+                with_changes(site, with_law);
+            } catch (const InputError& e) {
+                throw InputError(std::string("the ranges of the free parameters overlap: ") + e.what());
+            }
+        }
     }
 }
 

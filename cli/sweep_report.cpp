@@ -2,10 +2,9 @@
 #include "cli/sweep_report.hpp"
 
 #include "cli/html.hpp"
+#include "cli/json.hpp"
 #include "cli/plot.hpp"
 #include "cli/text.hpp"
-
-#include <nlohmann/json.hpp>
 
 #include <algorithm>
 #include <cmath>
@@ -15,8 +14,6 @@
 namespace scree::cli {
 
 namespace {
-
-using Json = nlohmann::ordered_json;
 using gis::Svg;
 using gis::SvgPanel;
 
@@ -198,7 +195,7 @@ std::string sweep_json(const SweepStudy& study) {
     json["site_as_it_is"] = value(study.base);
     json["values"] = Json::array();
     for (const SweepValue& v : study.values) json["values"].push_back(value(v));
-    return json.dump(1) + "\n";
+    return json_text(json, 1) + "\n";
 }
 
 std::string sweep_html(const SweepStudy& study, const Figure& figure) {

@@ -28,7 +28,7 @@ typedef struct scree_contact_state {
     double mass;          /* [kg] */
     double length;        /* (L1 + L2 + L3) / 3 [m] */
     double draw;          /* a number of this block, even in [0, 1) [-] */
-    double number[4];     /* a, b, c, d of the entry in the site file */
+    double number[4];     /* a, b, c, d of the entry in the site file [*] */
 } scree_contact_state;
 
 /* e [-], mu [-], mu_r [m]: given as the soil and the effects before have them, to be changed. */
@@ -36,7 +36,7 @@ typedef struct scree_contact_law_values {
     double restitution, friction, rolling;
 } scree_contact_law_values;
 
-/* Acceleration -(linear + quadratic |v|) v of the centre of mass while the block touches the ground: given as 0, to be set [1/s], [1/m]. */
+/* Acceleration -(linear + quadratic |v|) v of the centre of mass while the ground bears the block (not in a bounce): given as 0, to be set [1/s], [1/m]. */
 typedef struct scree_ground_drag_values {
     double linear, quadratic;
 } scree_ground_drag_values;

@@ -405,6 +405,19 @@ std::vector<const ScreenCrossing*> first_crossings(std::span<const ScreenCrossin
     return first;
 }
 
+std::vector<std::vector<const ScreenCrossing*>> first_crossings_of_all(std::span<const ScreenCrossing> crossings,
+                                                                       std::span<const std::int32_t> screen_of,
+                                                                       std::size_t screens) {
+    std::vector<std::vector<const ScreenCrossing*>> at(screens);
+    for (std::size_t from = 0, to = 0; from < crossings.size(); from = to) {
+        while (to < crossings.size() && crossings[to].block == crossings[from].block) ++to;
+        const auto first = first_crossings(crossings.subspan(from, to - from), screen_of, screens);
+        for (std::size_t k = 0; k < screens; ++k)
+            if (first[k]) at[k].push_back(first[k]);
+    }
+    return at;
+}
+
 void shift_screens(std::span<const Effect> effects, const Axis& axis, CampaignInput& campaign) {
     const auto shift_of = [&](const std::string& screen) {
         double shift = 0.0;

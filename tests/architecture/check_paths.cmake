@@ -1,6 +1,6 @@
 # No file of the project names a folder of the machine that it was written on.
 # Usage: cmake -DROOT=folder -P check_paths.cmake
-file(GLOB_RECURSE files RELATIVE ${ROOT} LIST_DIRECTORIES false ${ROOT}/*.cpp ${ROOT}/*.hpp ${ROOT}/*.txt ${ROOT}/*.cmake ${ROOT}/*.json
+file(GLOB_RECURSE files RELATIVE ${ROOT} LIST_DIRECTORIES false ${ROOT}/*.cpp ${ROOT}/*.hpp ${ROOT}/*.c ${ROOT}/*.h ${ROOT}/*.txt ${ROOT}/*.cmake ${ROOT}/*.json
   ${ROOT}/*.md ${ROOT}/*.py ${ROOT}/*.sh ${ROOT}/*.toml ${ROOT}/*.csv ${ROOT}/.ci/* ${ROOT}/.clang-* ${ROOT}/.gitignore)
 foreach(file IN LISTS files)
   if(file MATCHES "^build/|^\\.git/|/out[^/]*/")

@@ -44,5 +44,12 @@ TEST(CalibrateReport, APlaceThatWasSeenIsMarked) {
     EXPECT_EQ(json[1]["left_out_was_seen"], true);
 }
 
+// The name of a file need not be UTF-8; hours of simulations are not lost over it.
+TEST(CalibrateReport, WritesInputsOfAnyName) {
+    CalibrationReport report = one_fold_and_two_places();
+    report.inputs = {"stops_\xe9.csv (measured)"};
+    EXPECT_THAT(calibrate_json(report), HasSubstr("stops_\xef\xbf\xbd.csv (measured)"));
+}
+
 }  // namespace
 }  // namespace scree::cli

@@ -218,6 +218,17 @@ TEST(Calibrate, RefusesWhatCannotBeCalibrated) {
                                          {"--free", "blocks.volume_min=0.05:5", "--free", "blocks.volume_max=2:20"});
     EXPECT_EQ(overlapping.code, 3);
     EXPECT_THAT(overlapping.err, HasSubstr("the ranges of the free parameters overlap"));
+    // the median of a log-normal law lies between the ends, and the law itself may be free
+    for (const std::vector<std::string>& law :
+         {std::vector<std::string>{"--set", "blocks.volume_law=log_normal"},
+          {"--set", "blocks.volume_law=constant", "--free", "blocks.volume_law=constant,log_normal"}}) {
+        std::vector<std::string> free{"--set",  "blocks.volume=0.25",    "--set",  "blocks.volume_min=0.1",
+                                      "--free", "blocks.volume=0.2:0.5", "--free", "blocks.volume_min=0.05:0.3"};
+        free.insert(free.end(), law.begin(), law.end());
+        const Outcome median = in_plane("calibrate", folder / "zones.csv", folder / "out", free);
+        EXPECT_EQ(median.code, 3);
+        EXPECT_THAT(median.err, HasSubstr("volume_min = 0.3 is larger than blocks.volume, the median, = 0.2"));
+    }
     const Outcome twice =
         in_plane("calibrate", folder / "zones.csv", folder / "out",
                  {"--free", "soil.loose waste.rolling=0.01:0.1", "--free", "soil.*.rolling=0.01:0.1"});
@@ -299,6 +310,21 @@ TEST(Calibrate, TheJournalMakesItsFolder) {
     const TempDir folder;
     const cli::JournalFile journal(folder / "new" / "out.journal.jsonl", "subject", false);
     EXPECT_TRUE(fs::exists(folder / "new" / "out.journal.jsonl"));
+}
+
+// A journal is hours of work: what cannot be written anew stays as it was.
+TEST(Calibrate, AJournalThatCannotBeRewrittenStays) {
+    const TempDir folder;
+    const fs::path file = folder / "out.journal.jsonl";
+    fs::create_directory(folder / "out.journal.jsonl.part");
+    put(file, "subject\n");
+    EXPECT_THROW(cli::JournalFile(file, "subject", true), ComputeError);
+    EXPECT_EQ(text_of(file), "subject\n");
+    fs::remove(folder / "out.journal.jsonl.part");
+    put(file, "");  // killed before its first line
+    EXPECT_TRUE(cli::JournalFile(file, "subject", true).journal.empty());
+    EXPECT_EQ(text_of(file), "subject\n");
+    EXPECT_EQ(contents_of(folder.path()).size(), 1U) << "no draft is left";
 }
 
 TEST(Sweep, RefusesBeforeAnythingIsComputed) {

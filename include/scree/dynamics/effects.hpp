@@ -58,7 +58,7 @@ inline constexpr std::size_t kEffectKinds = 28;
 enum class EffectHook : std::uint8_t {
     ContactLaw,    ///< e, mu, mu_r of a contact as a function of the state
     Impact,        ///< the instant of an impact
-    ContactForce,  ///< a force on the centre of mass while the block touches the ground
+    ContactForce,  ///< a force on the centre of mass while the ground bears the block
     Force,         ///< a force on the centre of mass, in flight and in contact
     Crossing,      ///< energy taken at once where the path crosses something
     Terrain,       ///< the heights of the terrain

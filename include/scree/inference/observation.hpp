@@ -165,6 +165,10 @@ ObservationTable simulated_table(const CampaignResult& campaign, const Observati
 /// screen count as one.
 std::vector<const ScreenCrossing*> first_crossings(std::span<const ScreenCrossing> of_block,
                                                    std::span<const std::int32_t> screen_of, std::size_t screens);
+/// The same of all blocks, by screen: those that are there, in the order of the crossings, which lists block by block.
+std::vector<std::vector<const ScreenCrossing*>> first_crossings_of_all(std::span<const ScreenCrossing> crossings,
+                                                                       std::span<const std::int32_t> screen_of,
+                                                                       std::size_t screens);
 
 /// Moves the screens of a campaign to where measurement effects of the kind screen_shift say that they stood: along the axis, in 2D along the profiles.
 void shift_screens(std::span<const Effect> effects, const Axis& axis, CampaignInput& campaign);
