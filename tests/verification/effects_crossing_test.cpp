@@ -100,6 +100,19 @@ TYPED_TEST(EffectCrossing, TreeTakesEnergyByItsOffset) {
     }
 }
 
+// Nearer to each other than a step is long.
+TYPED_TEST(EffectCrossing, TreesSideBySideAreBothMet) {
+    this->ball.mass = 1e9;
+    this->ball.soil = {"level", 0.0, 0.8, 0.0};
+    Effect trees = effect_with(EffectKind::Trees, {{"diameter", 0.3}, {"height", 100.0}});
+    trees.place.points = {{6.0, 0.2, kNaN}, {6.003, 0.3, kNaN}, {6.03, 0.4, kNaN}};
+    this->ball.effects = {trees};
+    EXPECT_EQ(this->ball.run(this->ball.sliding(0.0, 10.0, true), 2.0).counters.crossings_struck, 3);
+    auto release = this->ball.at(0.0, 17.0);
+    release.velocity[0] = 14.0;
+    EXPECT_EQ(this->ball.run(release, 1.5).counters.crossings_struck, 3);
+}
+
 // The block is some 59 m up where it meets the tree.
 TYPED_TEST(EffectCrossing, TreesArePassedAbove) {
     for (const double height : {57.0, 61.0}) {

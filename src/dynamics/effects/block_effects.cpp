@@ -287,30 +287,26 @@ FlightArc<Dim> BlockEffects<Dim>::flight_arc(const State& s) {
 
 // ---- on the way --------------------------------------------------------------------------------------------------------------------
 
-/// Share of the way at which the next tree of known position is met, infinite if none is; `offset` over (L + DBH) / 2.
+/// Calls `met(share, offset)` for every tree of known position that is met, with the share of the way at which it is; `offset` over (L + DBH) / 2.
 template <int Dim>
-double BlockEffects<Dim>::next_tree(const Part& p, const Vec& from, const Vec& to, double& offset) const {
+template <class Met>
+void BlockEffects<Dim>::for_each_tree(const Part& p, const Vec& from, const Vec& to, const Met& met) const {
     const double radius = 0.5 * (body_.length + p.value[0]);
     const Points& trees = p.place->points;
     const double low = std::min(from.x(), to.x()) - radius, high = std::max(from.x(), to.x()) + radius;
-    double first = kInfinity;
     for (auto tree =
              std::lower_bound(trees.begin(), trees.end(), low, [](const Vec3&t, double x) { return t.x() < x; });
          tree != trees.end() && tree->x() <= high; ++tree) {
-        double beside = 0.0, s = kInfinity;
+        double offset = 0.0, share = kInfinity;
         if constexpr (Dim == 3) {
-            s = entry(from.template head<2>(), to.template head<2>(), tree->template head<2>(), radius, beside);
+            share = entry(from.template head<2>(), to.template head<2>(), tree->template head<2>(), radius, offset);
         } else {  // where the profile passes it
-            beside = std::abs(tree->y()) / radius;
-            s = (tree->x() - from.x()) / (to.x() - from.x());
-            if (!(beside < 1.0 && s > 0.0 && s <= 1.0)) s = kInfinity;
+            offset = std::abs(tree->y()) / radius;
+            share = (tree->x() - from.x()) / (to.x() - from.x());
+            if (!(offset < 1.0 && share > 0.0)) share = kInfinity;
         }
-        if (s < first) {
-            first = s;
-            offset = beside;
-        }
+        if (share <= 1.0) met(share, offset);
     }
-    return first;
 }
 
 /// Share of the way in plan at which something begins, ends or stands, infinite if there is nothing.
@@ -322,9 +318,8 @@ double BlockEffects<Dim>::first_change(const Vec& from, const Vec& to) const {
         first = std::min(first, p.place->first_border(plan(from), plan(to)));
         if (p.kind == EffectKind::Net) first = std::min(first, p.place->first_line(plan(from), plan(to)));
         if (p.kind != EffectKind::Trees) continue;
-        double offset = 0.0;
         if (!p.place->points.empty())
-            first = std::min(first, next_tree(p, from, to, offset));
+            for_each_tree(p, from, to, [&](double share, double) { first = std::min(first, share); });
         else if (acts_on_flight_at(p, from))
             first = std::min(first, p.memory / std::max((plan(to) - plan(from)).norm(), 1e-300));
     }
@@ -391,14 +386,15 @@ void BlockEffects<Dim>::cross(Part& p, const Vec& from, double& kinetic, State& 
         return;
     }
     const double capacity = tree_capacity(p.value[0], p.value[2]);
-    double offset = 0.0;
+    // in contact a step may meet several
     if (!p.place->points.empty()) {
-        const double share = next_tree(p, from, s.position, offset);
-        if (share <= 1.0 && height_over_ground(from + share * (s.position - from)) <= p.value[3])
-            lose(capacity * tree_share(offset), kinetic, s);
+        for_each_tree(p, from, s.position, [&](double share, double offset) {
+            if (height_over_ground(from + share * (s.position - from)) <= p.value[3])
+                lose(capacity * tree_share(offset), kinetic, s);
+        });
     } else if (acts_on_flight_at(p, 0.5 * (from + s.position))) {
         p.memory -= (plan(s.position) - plan(from)).norm();
-        while (p.memory <= 0.0) {  // of a dense stand a step may meet several
+        while (p.memory <= 0.0) {
             lose(capacity * tree_share(p.random.uniform()), kinetic, s);
             draw_next_tree(p);
         }

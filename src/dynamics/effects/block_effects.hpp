@@ -101,7 +101,8 @@ private:
     double scar_drag(const Part& part) const;
     Drag drag_at(const Vec& position) const;
     scree_contact_state contact_state(const Part& part, const State& s, const Vec& at) const;
-    double next_tree(const Part& part, const Vec& from, const Vec& to, double& offset) const;
+    template <class Met>
+    void for_each_tree(const Part& part, const Vec& from, const Vec& to, const Met& met) const;
     double first_change(const Vec& from, const Vec& to) const;
     double change_time(const State& s, const DragFlight<Dim>& flight) const;
     void cross(Part& part, const Vec& from, double& kinetic, State& s);

@@ -227,7 +227,8 @@ constexpr EffectInfo kCatalogue[] = {
      "two groups of stops, speeds and energies behind hard impacts",
      "The largest piece is followed, the others are not. None is made that is shorter than 5 cm.", kFragmentation},
     {K::OwnLaw, "own_law", "a law of your own", H::ContactLaw, kOnGround,
-     "what the library says: e, mu, mu_r of a contact and a drag while in contact, as functions of the state",
+     "what the library says: e, mu, mu_r of a contact and a drag while the ground bears the block, as functions of the "
+     "state",
      "include/scree/own_law.h", "what it changes",
      "`library` names a shared library with the functions; its code runs inside scree. Never searched by scree "
      "diagnose.",
