@@ -126,7 +126,7 @@ def main():
         another = sum(bool(names(f)) for f in answers)
         nothing = sum(f["verdict"] == "NONE" for f in answers)
         print(f"without: another effect is named in {another} of {len(answers)}" + (f" ({verdicts})" if answers else ""), flush=True)
-    sys.exit(1 if of_mass or another or nothing or not all(same) else 0)
+    sys.exit(1 if of_mass or another or nothing or not same or not all(same) else 0)
 
 
 if __name__ == "__main__":

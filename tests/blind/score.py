@@ -25,8 +25,8 @@ AXIS_FROM_HEAD = terrains.RELEASE + 5.0 - 1.5  # the axis of the observations be
 BINS = (0.0, 1.5, 2.5, 3.75, 5.25, 7.5, math.inf)
 ONE_HIDDEN = (0, 1, 3, 6)  # tiers
 VISIBLE = 2.5  # delta of each of two effects from which both may be asked for
-# where a fault's strength stands in an answer: form and parameter
 REFUSED = {"verdict": "REFUSED", "answer": [], "effects": [], "simulated_blocks": 0}
+# where a fault's strength stands in an answer: form and parameter
 FAULTS = {"speed_bias": ("speed_error", "bias"), "speed_noise": ("speed_error", "noise"), "slow_missed": ("slow_missed", "least_speed"),
           "ids_shuffled": ("ids_shuffled", "share"), "height_datum": ("height_datum", "offset")}
 

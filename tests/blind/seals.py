@@ -1,17 +1,24 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Hashes that hold a run of blind cases together: of the truths (sealed.sha256), and of all that the finder gets of a case."""
+"""What holds a run of blind cases together: hashes of the truths (sealed.sha256) and of all that the finder gets of a case, and files that are whole."""
 import hashlib
 import sys
 
 
 def seals(folder):
     """Hash of every sealed truth, by its path in the folder."""
-    hashes = {}
-    for line in (folder / "sealed.sha256").read_text().splitlines():
+    hashes, file = {}, folder / "sealed.sha256"
+    for line in file.read_text().splitlines() if file.exists() else []:
         value, name = line.split()
         if hashes.setdefault(name, value) != value:
-            sys.exit(f"{folder / 'sealed.sha256'}: {name} was sealed twice")
+            sys.exit(f"{file}: {name} was sealed twice")
     return hashes
+
+
+def write_whole(file, text):
+    """What is there under its name is whole: a file that was cut short would count as done."""
+    draft = file.with_name(file.name + ".part")
+    draft.write_text(text)
+    draft.replace(file)
 
 
 def hash_of(case):
