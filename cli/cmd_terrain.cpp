@@ -48,7 +48,7 @@ gis::VectorLayer facets_layer(const SiteTerrain& terrain) {
 
 /// Mean slope of the four facets around a node is what a map shows: from the normal of the surface around the centre of the cell.
 gis::RasterLayer slope_layer(const SiteTerrain& terrain) {
-    const Grid<double>& g = terrain.data.grid;
+    const Grid<double> g = model_heights(terrain);
     gis::RasterLayer layer;
     layer.name = "slope_deg";
     layer.title = "Slope";

@@ -76,6 +76,15 @@ double start_speed(const SiteModel& model, const Observations& observations) {
     return largest > 0.0 ? std::hypot(speed, 0.5 * largest * spin) : kInfinity;
 }
 
+/// Any number at all: tables may hold names and times only.
+bool has_values(const ObservedSite& observed) {
+    if (!observed.observations.shares.empty()) return true;
+    const ObservationTable measured = measured_table(observed.observations, observed.op);
+    return std::ranges::any_of(measured.values, [](const std::vector<double>& column) {
+        return std::ranges::any_of(column, [](double v) { return std::isfinite(v); });
+    });
+}
+
 }  // namespace
 
 ObservedSite load_observed(const SiteFile& site, const SiteModel& model, const std::string& path) {
@@ -94,6 +103,11 @@ ObservedSite load_observed(const SiteFile& site, const SiteModel& model, const s
     audit.map_height = model.terrain.data.frame.height;
     for (Finding& f : audit_observations(observed.observations, observed.op, audit))
         observed.findings.push_back(std::move(f));
+    if (!has_values(observed))
+        observed.findings.push_back(
+            {Severity::Error, "nothing measured",
+             path + ": nothing in it can be compared: stopping points need easting_m and northing_m (or longitude_deg "
+                    "and latitude_deg), crossings of screens the screen (gis/README.md lists all columns)"});
     std::stable_sort(observed.findings.begin(), observed.findings.end(),
                      [](const Finding& a, const Finding& b) { return a.severity > b.severity; });
     return observed;

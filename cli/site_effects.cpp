@@ -5,6 +5,7 @@
 #include "scree/base/error.hpp"
 
 #include <algorithm>
+#include <cctype>
 #include <cmath>
 #include <sstream>
 
@@ -33,6 +34,28 @@ void place_features(const FeatureLayer& layer, EffectPlace& place) {
     }
     if (!area.empty()) place.limit_to(std::move(area));
     place.sort_points();
+}
+
+/// A field that is called like a number of the effect looks as if it mattered: say that it does not.
+void warn_of_fields(const FeatureLayer& layer, const Effect& effect, const std::string& file,
+                    std::vector<std::string>& warnings) {
+    const EffectInfo& info = effect_info(effect.kind);
+    for (const Field& field : layer.fields)
+        for (const EffectParameter& p : info.parameters) {
+            std::string name = field.name;
+            std::transform(name.begin(), name.end(), name.begin(),
+                           [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+            if (name != p.key && !name.starts_with(std::string(p.key) + "_")) continue;
+            std::ostringstream text;
+            text << "effect " << info.name << ": the field " << field.name << " of " << file
+                 << " is not read: " << p.key << " is ";
+            if (const double value = effect.value(p.key); std::isfinite(value))
+                text << value << (std::string(p.unit) == "-" ? "" : std::string(" ") + p.unit);
+            else
+                text << "not set";
+            text << " for all its features; give those that differ a file and an [[effect]] of their own";
+            warnings.push_back(text.str());
+        }
 }
 
 SoilId soil_number(const SiteSettings& s, const std::string& name, const std::string& where) {
@@ -87,6 +110,7 @@ void load_effects(const SiteFile& site, SiteTerrain& terrain) {
             const std::string purpose = std::string("effect ") + info.name;
             const gis::VectorData data = read_site_layer(site, given.place, purpose.c_str(), kinds, terrain);
             place_features(data.layer, effect.place);
+            warn_of_fields(data.layer, effect, given.place.file, terrain.effect_warnings);
             terrain.effect_inputs.push_back(site.resolve(given.place.file).string());
             terrain.effect_warnings.insert(terrain.effect_warnings.end(), data.report.warnings.begin(),
                                            data.report.warnings.end());

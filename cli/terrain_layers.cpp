@@ -3,7 +3,16 @@
 
 namespace scree::cli {
 
+Grid<double> model_heights(const SiteTerrain& terrain) {
+    Grid<double> heights(terrain.data.grid.shape);
+    for (int j = 0; j < heights.shape.rows; ++j)
+        for (int i = 0; i < heights.shape.columns; ++i)
+            heights.at(i, j) = terrain.surface->height(heights.shape.centre(i, j));
+    return heights;
+}
+
 gis::RasterLayer heights_layer(const SiteTerrain& terrain) {
+    const Grid<double> heights = model_heights(terrain);
     gis::RasterLayer layer;
     layer.name = "model_height_m";
     layer.title = "Model terrain";
@@ -11,9 +20,9 @@ gis::RasterLayer heights_layer(const SiteTerrain& terrain) {
     layer.quantity_definition = "height of the model terrain at the centre of the cell, in the datum of the DTM";
     layer.theme = gis::RasterTheme::Terrain;
     layer.visible = true;
-    layer.values = Grid<float>(terrain.data.grid.shape);
-    for (std::size_t k = 0; k < terrain.data.grid.values.size(); ++k)
-        layer.values.values[k] = static_cast<float>(terrain.data.grid.values[k] + terrain.data.frame.height);
+    layer.values = Grid<float>(heights.shape);
+    for (std::size_t k = 0; k < heights.values.size(); ++k)
+        layer.values.values[k] = static_cast<float>(heights.values[k] + terrain.data.frame.height);
     return layer;
 }
 

@@ -6,7 +6,9 @@
 
 namespace scree::cli {
 
-/// Heights of the model terrain, drawn as a relief: the ground below other layers.
+/// Heights of the ground that blocks meet (grid or tin, with berms) at the centres of the cells of the terrain, local frame [m]; NaN where there is none.
+Grid<double> model_heights(const SiteTerrain& terrain);
+/// The same as a raster, drawn as a relief: the ground below other layers.
 gis::RasterLayer heights_layer(const SiteTerrain& terrain);
 
 }  // namespace scree::cli

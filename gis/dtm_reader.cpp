@@ -383,10 +383,41 @@ void warn_of_spikes(Dtm& dtm, const std::string& place) {
                                             "example with gdal_fillnodata.py."));
 }
 
+/// Cells without a height that have ground all around: blocks that come there are lost. What lies outside of a survey reaches the edge of the raster.
+void warn_of_holes(Dtm& dtm, const std::string& place) {
+    const auto columns = static_cast<std::size_t>(dtm.columns), rows = static_cast<std::size_t>(dtm.rows);
+    std::vector<char> outside(dtm.heights.size(), 0);
+    std::vector<std::size_t> open;
+    const auto reach = [&](std::size_t column, std::size_t row) {
+        const std::size_t cell = row * columns + column;
+        if (outside[cell] || !std::isnan(dtm.heights[cell])) return;
+        outside[cell] = 1;
+        open.push_back(cell);
+    };
+    for (std::size_t column = 0; column < columns; ++column) reach(column, 0), reach(column, rows - 1);
+    for (std::size_t row = 0; row < rows; ++row) reach(0, row), reach(columns - 1, row);
+    while (!open.empty()) {
+        const std::size_t column = open.back() % columns, row = open.back() / columns;
+        open.pop_back();
+        for (std::size_t r = row - (row > 0); r <= std::min(row + 1, rows - 1); ++r)
+            for (std::size_t c = column - (column > 0); c <= std::min(column + 1, columns - 1); ++c) reach(c, r);
+    }
+    std::size_t count = 0, first = 0;
+    for (std::size_t cell = dtm.heights.size(); cell-- > 0;)  // from the north, as files are
+        if (std::isnan(dtm.heights[cell]) && !outside[cell] && ++count == 1) first = cell;
+    if (count > 0)
+        dtm.report.warnings.push_back(words(
+            place, " has ", counted(count, "cell"), " without a height amid others (one in column ",
+            first % columns + 1, " from the west and row ", rows - first / columns,
+            " from the north): blocks that come there have left the terrain; fill what is no abyss, for example with "
+            "gdal_fillnodata.py."));
+}
+
 void add_warnings(const HeightCensus& census, const Decoder& decoder, const GdalScope& scope, Dtm& dtm) {
     DtmReport& report = dtm.report;
     const std::string place = words("The terrain model '", report.file, "'");
     warn_of_spikes(dtm, place);
+    warn_of_holes(dtm, place);
     if (decoder.scaled()) {
         report.warnings.push_back(words(place, " stores scaled heights: height = stored value * ", decoder.scale(),
                                         " + ", decoder.offset(), " m was applied."));
@@ -395,6 +426,10 @@ void add_warnings(const HeightCensus& census, const Decoder& decoder, const Gdal
         report.warnings.push_back(words(
             place, " has heights in whole metres: its slopes are terraces of ", fixed(1 / std::max(dtm.dx, dtm.dy), 2),
             " m per metre, and blocks will bounce on steps that do not exist; use a raster of real numbers."));
+    }
+    if (census.max == census.min) {
+        report.warnings.push_back(
+            words(place, " has the same height in all its cells, ", census.min, " m: is it the band that was meant?"));
     }
     if (decoder.untagged_nan() > 0) {
         report.warnings.push_back(words(place, " has ", counted(decoder.untagged_nan(), "cell"),
@@ -443,6 +478,10 @@ Dtm read_dtm(const std::string& file, const DtmSettings& settings) {
     // what it says
     probe_first_cell(band, file, scope);
     Decoder decoder(bands);
+    if (decoder.scale() == 0.0 || !std::isfinite(decoder.scale()) || !std::isfinite(decoder.offset()))
+        refuse(file, words("stores heights with the scale ", decoder.scale(), " and the offset ", decoder.offset(),
+                           ", which leave nothing of them; set the tags right, for example with gdal_edit.py -scale 1 "
+                           "-offset 0 in.tif."));
     const HeightCensus census = read_heights(decoder, place, file, settings, scope, dtm);
     check_heights(census, file, settings);
     dtm.report.cell_x = dtm.dx;

@@ -184,6 +184,11 @@ private:
                 table_.refuse(
                     record, words("has the CRS '", here, "' where others have '", name, "'; use one CRS in a table."));
         }
+        for (const RecordTable::Record& record : table_.records)
+            if (!name.empty() && table_.text(record, "crs").empty() &&
+                !table_.text(record, earth ? "longitude_deg" : "easting_m").empty())
+                table_.refuse(record, words("has a position but no CRS, where others have '", name,
+                                            "'; fill the column, or leave it out."));
         if (earth && name.empty()) name = "EPSG:4326";
         if (name.empty()) {
             table_.warnings.push_back(

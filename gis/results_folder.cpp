@@ -85,7 +85,8 @@ bool is_edited(const fs::path& folder, const fs::path& file, const std::string& 
 bool belongs_to_result(const fs::path& folder, const fs::path& file, const std::map<fs::path, std::string>& listed) {
     if (const auto own = listed.find(file); own != listed.end()) return !is_edited(folder, file, own->second);
     const std::string name = file.generic_string();
-    static constexpr std::array<std::string_view, 5> kCompanions = {"-wal", "-shm", "-journal", ".aux.xml", "~"};
+    static constexpr std::array<std::string_view, 7> kCompanions = {"-wal", "-shm", "-journal", ".aux.xml",
+                                                                    ".ovr", ".msk", "~"};
     return std::ranges::any_of(kCompanions, [&](std::string_view suffix) {
         return name.ends_with(suffix) && listed.contains(name.substr(0, name.size() - suffix.size()));
     });

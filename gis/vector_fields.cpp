@@ -63,8 +63,8 @@ std::size_t field_index(const VectorData& data, const std::string& field) {
         if (data.layer.fields[f].name == field) return f;
         names += words(f > 0 ? ", '" : "'", data.layer.fields[f].name, "'");
     }
-    throw InputError(
-        words(place_of(data), " has no field '", field, "'; it has ", names.empty() ? "no fields" : names, "."));
+    throw InputError(words(place_of(data), " has no field '", field, "'; it has ", names.empty() ? "no fields" : names,
+                           "; name the one to use with the key field beside that of the file."));
 }
 
 std::vector<double> number_field(const VectorData& data, const NumberRule& rule) {

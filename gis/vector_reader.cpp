@@ -56,7 +56,10 @@ OGRLayer& chosen_layer(GDALDataset& dataset, const VectorSource& source) {
     if (candidates.empty()) throw InputError(words(place, " has no layer with geometries; name another file."));
     if (!source.layer.empty())
         throw InputError(words(place, " has no layer '", source.layer, "'; it has ", names, "."));
-    if (candidates.size() > 1) throw InputError(words(place, " has several layers, ", names, "; name the one to use."));
+    if (candidates.size() > 1)
+        throw InputError(words(place, " has several layers, ", names,
+                               "; name the one to use with the key layer beside that of the file (start_layer, "
+                               "guide_layer, line_layer, breaklines_layer where the file has such a prefix, too)."));
     return *candidates.front();
 }
 

@@ -225,6 +225,16 @@ TEST(Compare, StopsAtMeasurementsThatCannotBe) {
                 HasSubstr("deposit zones that the site does not have (9Z); it has 1A, 2A, 3A, 4A"));
 }
 
+// Columns of other names are warned of; with nothing else there is nothing to simulate for.
+TEST(Compare, StopsWhereNothingWasMeasured) {
+    const TempDir folder;
+    put(folder / "stopping_points.csv", "x,y\n890080,6670040\n");
+    const Outcome run = compare(folder / "stopping_points.csv", folder / "out");
+    EXPECT_EQ(run.code, 3);
+    EXPECT_THAT(run.err, HasSubstr("nothing in it can be compared: stopping points need easting_m"));
+    EXPECT_EQ(contents_of(folder.path()).size(), 1U);
+}
+
 TEST(Compare, LeavesResultsAloneUnlessTold) {
     const TempDir folder;
     put(folder / "zones.csv", "name,count,released\n4A,18,20\n");

@@ -318,6 +318,20 @@ TEST(Effects, RefusesASecondEndAndTwoKindsOfTrees) {
     EXPECT_THAT(trees.err, HasSubstr("single trees (points) and a stand"));
 }
 
+// An inventory of trees has their diameters: a user would take them for read.
+TEST(Effects, FieldsCalledLikeANumberAreToldAsUnread) {
+    const TempDir folder;
+    std::string trees = drawn_on_the_way("Point", 0.0, 0.0);
+    const std::string none = R"("properties":{},"geometry")";
+    trees.replace(trees.find(none), none.size(), R"("properties":{"Diameter_m":0.9,"kind":"beech"},"geometry")");
+    put(folder / "trees.geojson", trees);
+    const Outcome checked = scree_program(
+        {"check", quarry_with(folder.path(), "[[effect]]\nkind = \"trees\"\nfile = \"trees.geojson\"\n")});
+    EXPECT_EQ(checked.code, 0);
+    EXPECT_THAT(checked.err, HasSubstr("the field Diameter_m of trees.geojson is not read: diameter is 0.3 m for all"));
+    EXPECT_THAT(checked.err, Not(HasSubstr("field kind")));
+}
+
 // A dam stands on the grid, on few large facets and across a profile, whose way it must not end: what passes it goes on.
 TEST(Effects, ABermStandsOnEveryGround) {
     const TempDir folder;

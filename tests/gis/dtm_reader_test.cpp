@@ -136,6 +136,32 @@ TEST(DtmReader, ScaleAndOffsetAreApplied) {
     EXPECT_THAT(dtm.report.warnings, Contains(HasSubstr("scaled heights")));
 }
 
+// A tag written by mistake would make a plain of any mountain.
+TEST(DtmReader, AScaleThatLeavesNothingIsRefusedAndAPlainWarnedOf) {
+    RasterSpec spec;
+    spec.scale = 0.0;
+    EXPECT_THAT(error_of(spec), AllOf(HasSubstr("the scale 0"), HasSubstr("gdal_edit.py -scale 1")));
+    RasterSpec plain;
+    plain.value = [](int, int) { return 12.5; };
+    EXPECT_THAT(written_and_read(plain).report.warnings,
+                ElementsAre(HasSubstr("the same height in all its cells, 12.5 m")));
+}
+
+// One cell is enough to lose the blocks of a channel; where a survey ends is no hole.
+TEST(DtmReader, HolesAmidGroundAreSaid) {
+    RasterSpec hole = with_cell(-9999);
+    hole.nodata = -9999;
+    EXPECT_THAT(written_and_read(hole).report.warnings,
+                ElementsAre(AllOf(HasSubstr("1 cell without a height amid others"),
+                                  HasSubstr("column 4 from the west and row 5 from the north"))));
+    RasterSpec bay;  // open to the west, over a corner
+    bay.nodata = -9999;
+    bay.value = [plane = RasterSpec().value](int c, int r) {
+        return (c < 3 && r == 5) || (c == 3 && r == 6) ? -9999.0 : plane(c, r);
+    };
+    EXPECT_THAT(written_and_read(bay).report.warnings, IsEmpty());
+}
+
 TEST(DtmReader, WholeMetresAreWarnedOf) {
     RasterSpec spec;
     spec.type = "Int16";

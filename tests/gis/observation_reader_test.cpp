@@ -344,6 +344,8 @@ const Fault kFaults[] = {
     {"DegreesForMetres", "easting_m,northing_m,crs\n5.5,44.6,EPSG:4326\n", "in metres but names the CRS"},
     {"TwoCrs", "easting_m,northing_m,crs\n900010,6400020,EPSG:2154\n900010,6400020,EPSG:2056\n",
      "use one CRS in a table"},
+    {"SomeWithoutACrs", "easting_m,northing_m,crs\n900010,6400020,\n900010,6400020,EPSG:2154\n",
+     "line 2, has a position but no CRS, where others have 'EPSG:2154'"},
     {"FarAway", "easting_m,northing_m,crs\n700000,6600000,EPSG:2154\n", "wholly outside of the terrain"},
     {"AnUnknownStopReason", "easting_m,northing_m,crs,stop_reason\n900010,6400020,EPSG:2154,asleep\n",
      "stop_reason 'asleep'"},

@@ -214,6 +214,7 @@ TEST(ResultsFolder, FilesOfTheUserSurvive) {
     write_results(dir / "out", package, false);
     put(dir / "out/my_map.qgz", "mine");
     put(dir / "out/results.gpkg-shm", "left by a GIS");
+    put(dir / "out/report.html.ovr", "as overviews beside a raster: they show what was there before");
     fs::create_directory(dir / "out/photos");
     put(dir / "out/photos/block.jpg", "mine too");
     put(dir / "out/run.toml", "not listed, though called like a file of ours");
