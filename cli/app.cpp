@@ -224,7 +224,9 @@ int run(const std::vector<std::string>& args, std::ostream& out, std::ostream& e
     context.out = &out;
     context.err = &err;
     try {
-        return static_cast<int>(dispatch(args, context));
+        const ExitCode code = dispatch(args, context);
+        if (code != ExitCode::Done || out.flush()) return static_cast<int>(code);
+        err << "error: what was to be said on the standard output could not be written: is the disc full?\n";
     } catch (const InputError& e) {
         err << "error: " << e.what() << "\n";
         return static_cast<int>(ExitCode::BadInput);

@@ -132,6 +132,17 @@ gis::VectorLayer release_points(const SiteModel& model, const CampaignResult& re
     return layer;
 }
 
+/// Without the points that are there twice: at an impact the path has one with the speed before it and one with that after.
+Polyline line_of(const KeptTrajectory& t) {
+    Polyline line;
+    for (std::size_t k = 0; k < t.points.size(); ++k) {
+        if (k > 0 && t.times[k] == t.times[k - 1] && t.points[k] == t.points[k - 1]) continue;
+        line.points.push_back(t.points[k]);
+        line.measure.push_back(t.times[k]);
+    }
+    return line;
+}
+
 gis::VectorLayer trajectories(const SiteModel& model, const CampaignResult& result) {
     gis::VectorLayer layer =
         empty_layer("trajectories", GeometryKind::LineString, "Trajectories",
@@ -146,11 +157,12 @@ gis::VectorLayer trajectories(const SiteModel& model, const CampaignResult& resu
                          real("runout_m", "Horizontal distance from release [m]")};
     add_plane_fields(model, layer.data.fields, {});
     for (const KeptTrajectory& t : result.trajectories) {
-        if (t.points.size() < 2) continue;
+        Polyline line = line_of(t);
+        if (line.points.size() < 2) continue;
         const BlockResult& b = result.blocks[static_cast<std::size_t>(t.block)];
         Feature f;
         f.id = t.block + 1;
-        f.geometry = Polylines{Polyline{t.points, t.times}};
+        f.geometry = Polylines{std::move(line)};
         f.values = {t.block,  block_id(result, b), std::string(kStopReasonNames[static_cast<std::size_t>(b.reason)]),
                     b.mass,   b.largest_speed,     b.largest_energy / kJoulePerKj,
                     runout(b)};
@@ -406,7 +418,7 @@ std::vector<gis::RasterLayer> campaign_rasters(const SiteModel& model, const Cam
         add("mean", "mean", [](const QuantityStatistics& s, std::int64_t n) { return mean_of(s, n); });
         for (const int percent : kPercents)
             add(std::string("p").append(std::to_string(percent)), std::to_string(percent) + " % quantile",
-                [percent](const QuantityStatistics& s, std::int64_t) { return s.histogram.quantile(0.01 * percent); });
+                [percent](const QuantityStatistics& s, std::int64_t) { return s.quantile(0.01 * percent); });
         add("max", "maximum", [](const QuantityStatistics& s, std::int64_t) { return s.largest; });
     }
     return layers;

@@ -9,6 +9,7 @@
 #include "cli/text.hpp"
 #include "gis/results_writer.hpp"
 #include "scree/dynamics/contact_problem_file.hpp"
+#include "scree/inference/distance.hpp"
 
 #include <algorithm>
 #include <ostream>
@@ -35,10 +36,6 @@ void add_hard_problems(const CampaignResult& result, std::size_t most, gis::Resu
     }
 }
 
-double quantile(std::vector<double>& sorted, double q) {
-    return sorted[std::min(sorted.size() - 1, static_cast<std::size_t>(q * static_cast<double>(sorted.size())))];
-}
-
 void print_profiles(std::ostream& out, const SiteModel& model, const CampaignResult& r) {
     constexpr std::size_t kMostProfiles = 20;
     const std::vector<std::string> lines = profile_summaries(model, r);
@@ -62,8 +59,8 @@ void print_summary(std::ostream& out, const SiteModel& model, const CampaignResu
             runout.push_back(model.in_plane() ? b.stop_s - b.release_s : (b.stop - b.release).head<2>().norm());
     std::sort(runout.begin(), runout.end());
     if (!runout.empty())
-        out << "runout         median " << short_number(quantile(runout, 0.5)) << " m, 95 % quantile "
-            << short_number(quantile(runout, 0.95)) << " m, largest " << short_number(runout.back())
+        out << "runout         median " << short_number(sample_quantile(runout, 0.5)) << " m, 95 % quantile "
+            << short_number(sample_quantile(runout, 0.95)) << " m, largest " << short_number(runout.back())
             << " m (blocks at rest" << (model.in_plane() ? ", along the profile" : "") << ")\n";
     if (model.in_plane()) print_profiles(out, model, r);
     std::vector<std::string> seen;
@@ -81,9 +78,9 @@ void print_summary(std::ostream& out, const SiteModel& model, const CampaignResu
         out << "screen         " << screen.name << ": " << percent(static_cast<std::int64_t>(speeds.size()), r.released)
             << " pass";
         if (!speeds.empty())
-            out << "; speed median " << short_number(quantile(speeds, 0.5)) << " m/s, 95 % quantile "
-                << short_number(quantile(speeds, 0.95)) << " m/s; energy 95 % quantile "
-                << short_number(quantile(energies, 0.95)) << " kJ";
+            out << "; speed median " << short_number(sample_quantile(speeds, 0.5)) << " m/s, 95 % quantile "
+                << short_number(sample_quantile(speeds, 0.95)) << " m/s; energy 95 % quantile "
+                << short_number(sample_quantile(energies, 0.95)) << " kJ";
         out << "\n";
     }
     for (const DepositCount& d : r.deposits) {

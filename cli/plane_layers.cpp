@@ -2,6 +2,7 @@
 #include "cli/plane_layers.hpp"
 
 #include "gis/words.hpp"
+#include "scree/inference/distance.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -46,7 +47,7 @@ std::vector<FieldValue> values_of(const CellStatistics& c, double thrown) {
                 values.emplace_back();
         };
         add(c.passages > 0 ? mean_of(s, c.passages) : 0.0);
-        for (const int percent : kPercents) add(s.histogram.quantile(0.01 * percent));
+        for (const int percent : kPercents) add(s.quantile(0.01 * percent));
         add(s.largest);
     }
     return values;
@@ -165,10 +166,7 @@ std::vector<std::string> profile_summaries(const SiteModel& model, const Campaig
             if (b.reason == StopReason::AtRest) stops.push_back(b.stop_s);
         }
         std::sort(stops.begin(), stops.end());
-        auto quantile = [&](double q) {
-            return gis::fixed(
-                stops[std::min(stops.size() - 1, static_cast<std::size_t>(q * static_cast<double>(stops.size())))], 1);
-        };
+        const auto quantile = [&](double q) { return gis::fixed(sample_quantile(stops, q), 1); };
         std::string line =
             gis::counted(static_cast<std::size_t>(thrown), "block") + ", " + std::to_string(stops.size()) + " at rest";
         if (!stops.empty())

@@ -56,7 +56,7 @@ gis::DrawnPanel panel_of(const CampaignInput& c, const CampaignResult& result, s
         if (statistics.passages == 0) continue;
         const QuantityStatistics& s = statistics.quantities[q];
         mean[cell] = factor * mean_of(s, statistics.passages);
-        high[cell] = factor * s.histogram.quantile(0.95);
+        high[cell] = factor * s.quantile(0.95);
         largest[cell] = factor * s.largest;
     }
     return {title,

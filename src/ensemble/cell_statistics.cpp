@@ -110,6 +110,10 @@ void merge_cells(CellMap& into, const CellMap& from) {
     for (const auto& [cell, statistics] : from) into[cell].merge(statistics);
 }
 
+double QuantityStatistics::quantile(double q) const {
+    return std::min(histogram.quantile(q), largest);  // NaN of an empty one stays
+}
+
 std::pair<double, double> wilson_interval(std::int64_t k, std::int64_t n) {
     if (n <= 0) return {0.0, 1.0};
     constexpr double z = 1.959963984540054;  // 97.5 % quantile of the standard normal

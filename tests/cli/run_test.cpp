@@ -4,6 +4,7 @@
 #include "cli/results.hpp"
 #include "cli/site_file.hpp"
 #include "cli/site_model.hpp"
+#include "cli/terrain_layers.hpp"
 #include "scree/base/error.hpp"
 #include "scree/dynamics/contact_problem_file.hpp"
 #include "support/paths.hpp"
@@ -334,6 +335,22 @@ TEST(Terrain, WritesTheModelGround) {
     EXPECT_NEAR(heights.low, 219.0, 1.0);
     EXPECT_NEAR(heights.high, 269.3, 1.0);
     EXPECT_LE(raster_facts(out / "rasters" / "slope_deg.tif").high, 90.0);
+    // of a tin they are those of its few facets, which blocks see, and not of the grid that it was made of
+    const Outcome few =
+        scree_program({"terrain", (quarry_a() / "site.toml").string(), "--output", (folder / "tin").string(), "--set",
+                       "terrain.surface=tin", "--set", "terrain.tolerance=3"});
+    ASSERT_EQ(few.code, 0) << few.err;
+    const cli::SiteModel tin =
+        cli::load_site(cli::read_site_file(quarry_a() / "site.toml", {"terrain.surface=tin", "terrain.tolerance=3"}));
+    const Grid<double> heights_of_tin = cli::model_heights(tin.terrain);
+    double most = 0.0;
+    for (std::size_t k = 0; k < heights_of_tin.values.size(); ++k)
+        most = std::max(most, std::abs(heights_of_tin.values[k] - tin.terrain.data.grid.values[k]));
+    EXPECT_GT(most, 1.0);
+    EXPECT_LT(most, 3.0 + 1e-6);
+    EXPECT_NE(text_of(folder / "tin" / "rasters" / "model_height_m.tif"),
+              text_of(out / "rasters" / "model_height_m.tif"));
+    EXPECT_NE(text_of(folder / "tin" / "rasters" / "slope_deg.tif"), text_of(out / "rasters" / "slope_deg.tif"));
     EXPECT_EQ(scree_program({"terrain", (quarry_a() / "site.toml").string(), "--output", out.string()}).code, 3);
     EXPECT_EQ(scree_program(
                   {"terrain", (quarry_a() / "site.toml").string(), "--output", out.string(), "--overwrite", "--quiet"})

@@ -8,6 +8,8 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <ostream>
+#include <sstream>
 
 namespace scree::test {
 namespace {
@@ -25,6 +27,14 @@ struct UsageCase {
 
 void PrintTo(const UsageCase& c, std::ostream* out) {
     *out << c.name;
+}
+
+// A disc that is full must not look like success.
+TEST(Usage, WhatCannotBeSaidIsAnError) {
+    std::ostream nowhere(nullptr);
+    std::ostringstream err;
+    EXPECT_EQ(cli::run({"effects"}, nowhere, err), 4);
+    EXPECT_THAT(err.str(), HasSubstr("standard output could not be written"));
 }
 
 const std::string kQuarry = (quarry_a() / "site.toml").string();

@@ -17,5 +17,15 @@ TEST(CellStatistics, SumsOfLargeEnergiesDoNotOverflow) {
     EXPECT_NEAR(1e-4 * static_cast<double>(all.sum) / (2.0 * kPassages), kEnergy, 1.0);
 }
 
+// The bins know a value to 1 % only; a map on which the 95 % quantile exceeds the maximum would be wrong on its face.
+TEST(CellStatistics, NoQuantileExceedsTheLargestValue) {
+    for (double value = 0.5; value < 50.0; value *= 1.003) {
+        QuantityStatistics one;
+        one.add(value);
+        EXPECT_LE(one.quantile(0.99), value);
+        EXPECT_GE(one.quantile(0.5), (1.0 - kQuantileError) * value);
+    }
+}
+
 }  // namespace
 }  // namespace scree::test

@@ -45,6 +45,8 @@ struct QuantityStatistics {
 
     void add(double value);
     void merge(const QuantityStatistics& other);
+    /// That of the histogram, but never beyond the largest value [unit of the quantity].
+    double quantile(double q) const;
 };
 
 struct CellStatistics {
