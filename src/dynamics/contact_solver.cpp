@@ -33,6 +33,8 @@ void ContactProblem<Dim>::resize(int contacts) {
 namespace {
 
 constexpr double kTiny = 1e-300;
+/// Smallest approach that a residual is relative to, as a share of the free velocity [-].
+constexpr double kLeastMeasure = 1e-6;
 /// Added to the diagonal inside Newton, as a share of the relative residual and within these limits (W is of order one): W has at most rank 6, more
 /// than one contact makes it singular. Far from the solution it keeps steps short where contacts bear against each other, near it Newton stays
 /// quadratic. It changes the path of the iteration, not the equation that is solved.
@@ -89,6 +91,9 @@ struct Scaled : Sizes<Dim, C> {
     PerContact mu = Size::template zeros<PerContact>(count());    ///< unchanged
     PerContact mu_r = Size::template zeros<PerContact>(count());  ///< scaled
     double norm_q = 0.0;
+    /// What a residual is relative to: the speed of approach that the impulses have to stop, and not that along the ground. What a short step of friction
+    /// takes from a fast block is a small part of its speed, and would not be seen. Not so small that rounding would count.
+    double measure = 0.0;
 
     /// From a matrix whose columns begin `stride` numbers apart.
     Scaled(std::size_t contacts, const double* delassus, std::size_t stride, const double* free_velocity,
@@ -108,6 +113,9 @@ struct Scaled : Sizes<Dim, C> {
             for (std::size_t i = 0; i < size(); ++i) W[j * size() + i] = scale[i] * delassus[j * stride + i] * scale[j];
         }
         norm_q = norm(q);
+        double approach = 0.0;
+        for (std::size_t c = 0; c < count(); ++c) approach = std::hypot(approach, std::min(q[c * L], 0.0));
+        measure = std::max({approach, kLeastMeasure * norm_q, kTiny});
     }
     explicit Scaled(const ContactProblem<Dim>& p)
         : Scaled(p.friction.size(), p.delassus.data(), p.friction.size() * L, p.free_velocity.data(), p.friction.data(),
@@ -240,7 +248,7 @@ template <int Dim, int C>
                                 typename Scaled<Dim, C>::Vector& p, int& used) {
     using Vector = typename Scaled<Dim, C>::Vector;
     const std::size_t size = s.size();
-    const double goal = tolerance * s.norm_q;
+    const double goal = tolerance * s.measure;
     Vector F = s.vector(), u = s.velocity(p);
     double now = residual<Dim, C>(s, p, u, F);
     Vector best = p;
@@ -249,8 +257,8 @@ template <int Dim, int C>
     for (int k = 0; k < iterations && now > goal; ++k, ++used) {
         typename Scaled<Dim, C>::Matrix J = s.matrix();
         jacobian<Dim, C>(s, p, u, J);
-        const double regularisation =
-            std::clamp(kRegularisationShare * now / s.norm_q, kLeastRegularisation, kMostRegularisation);
+        const double regularisation = std::clamp(kRegularisationShare * now / std::max(s.norm_q, kTiny),
+                                                 kLeastRegularisation, kMostRegularisation);
         for (std::size_t i = 0; i < size; ++i) J[i * (size + 1)] += regularisation;
         Vector step = F;
         solve_linear<Scaled<Dim, C>::N>(size, J, step);
@@ -276,7 +284,7 @@ template <int Dim, int C>
         }
     }
     p = best;
-    return best_norm / std::max(s.norm_q, kTiny);
+    return best_norm / s.measure;
 }
 
 /// One contact, whatever Newton says: for a given r_N friction and rolling are a convex problem on two discs, and the normal velocity that
@@ -354,7 +362,7 @@ template <int Dim>
     if (achieved <= tolerance) return p;
     const Vector robust = solve_one_by_bisection<Dim>(s);
     Vector F{};
-    const double robust_residual = residual<Dim, 1>(s, robust, F) / std::max(s.norm_q, kTiny);
+    const double robust_residual = residual<Dim, 1>(s, robust, F) / s.measure;
     if (robust_residual < achieved) {
         achieved = robust_residual;
         return robust;
@@ -388,7 +396,8 @@ template <int Dim, int C>
         for (std::size_t j = 0; j < size; ++j)
             if (j < n || j >= n + L) held[i] += s.entry(n + i, j) * p[j];
     }
-    const Scaled<Dim, 1> local(1, &s.W[n * (size + 1)], size, held.data(), &s.mu[c], &s.mu_r[c]);
+    Scaled<Dim, 1> local(1, &s.W[n * (size + 1)], size, held.data(), &s.mu[c], &s.mu_r[c]);
+    local.measure = std::max(local.norm_q, kTiny);  // the others may carry all: as exact as numbers are
     for (std::size_t i = 0; i < L; ++i) guess[i] = p[n + i] / local.scale[i];
     int used = 0;
     double achieved = 0.0;
@@ -418,7 +427,7 @@ void start_together(const Scaled<Dim, C>& s, typename Scaled<Dim, C>::Vector& p)
 template <int Dim>
 double relative_residual(const Scaled<Dim, 0>& s, const std::vector<double>& p) {
     std::vector<double> F(p.size());
-    return residual<Dim, 0>(s, p, F) / std::max(s.norm_q, kTiny);
+    return residual<Dim, 0>(s, p, F) / s.measure;
 }
 
 /// Continuation in compliance: contacts made soft by a share of their own diagonal are nearly independent, Newton then finds the solution

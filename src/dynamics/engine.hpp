@@ -452,7 +452,7 @@ private:
     ///
     /// A top that stands on one vertex precesses and nothing in the law slows it: a block whose centre of mass has stayed in place for long rests too.
     void look_for_rest(double h) {
-        if (rest_.in_place_for_long(state_.position, finder_.radius(), time_)) {
+        if (rest_.in_place_for_long(state_, finder_.radius(), settings_.gravity, time_)) {
             ++end_.counters.rested_turning;
             finish(StopReason::AtRest);
         }

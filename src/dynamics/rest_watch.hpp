@@ -37,13 +37,14 @@ public:
         });
     }
 
-    /// True if the centre of mass of a block of this radius [m] has stayed in place for long at this time [s]. Asked after every step in contact: who has flown
-    /// since has not stayed.
-    bool in_place_for_long(const Vec& position, double radius, double time) {
+    /// True if the centre of mass of a block of this radius [m] has stayed in place for long at this time [s], under this gravity [m/s^2]. Asked after every
+    /// step in contact: who has flown since has not stayed, nor has who is fast enough to leave the place before he is seen again.
+    bool in_place_for_long(const State& state, double radius, double gravity, double time) {
         const bool flown = time - asked_ > kFlown;
         asked_ = time;
-        if (flown || (position - place_).norm() > kPlaceShare * radius) {
-            place_ = position;
+        const double place = kPlaceShare * radius;
+        if (flown || state.velocity.squaredNorm() > 2.0 * gravity * place || (state.position - place_).norm() > place) {
+            place_ = state.position;
             in_place_since_ = time;
             return false;
         }

@@ -6,18 +6,29 @@
 namespace scree::test {
 namespace {
 
-constexpr double kRadius = 0.5, kStep = 0.01;
+constexpr double kRadius = 0.5, kGravity = 9.81, kStep = 0.01;
 
 // A top stays in place and rests after five seconds; who bounces high in one place has been away.
 TEST(RestWatch, WhoHasFlownHasNotStayed) {
     RestWatch<3> top, bouncing;
-    const Vec3 place(1.0, 2.0, 3.0);
+    BlockState<3> place;
+    place.position = {1.0, 2.0, 3.0};
     bool rests = false;
-    for (double time = 0.0; time < 5.5; time += kStep) rests = rests || top.in_place_for_long(place, kRadius, time);
+    for (double time = 0.0; time < 5.5; time += kStep)
+        rests = rests || top.in_place_for_long(place, kRadius, kGravity, time);
     EXPECT_TRUE(rests);
     for (double time = 0.0; time < 60.0; time += 5.4)
         for (const double step : {0.0, kStep})
-            EXPECT_FALSE(bouncing.in_place_for_long(place, kRadius, time + step)) << time;
+            EXPECT_FALSE(bouncing.in_place_for_long(place, kRadius, kGravity, time + step)) << time;
+}
+
+// Bounces of a quarter of a metre take less than half a second, and are seen at the ground only.
+TEST(RestWatch, WhoBouncesInPlaceHasNotStayed) {
+    RestWatch<3> bouncing;
+    BlockState<3> leaving;
+    leaving.velocity = {0.0, 0.0, 2.2};
+    for (double time = 0.0; time < 20.0; time += 0.45)
+        EXPECT_FALSE(bouncing.in_place_for_long(leaving, kRadius, kGravity, time)) << time;
 }
 
 }  // namespace

@@ -111,6 +111,34 @@ TEST_P(Cube, SlidesAboveTheFrictionAngle) {
     EXPECT_LT(end.state.spin.norm(), 1e-4);
 }
 
+// Across a slope and fast: friction points against the motion, which turns downhill. At the default tolerance, in steps of which gravity changes the speed by a
+// two-hundredth or a two-thousandth: what a step of friction does is small against the speed, and must be right all the same.
+TEST_P(Cube, FrictionFollowsAFastMotionThatTurns) {
+    const double slope = 25 * kDegree, mu = 0.3, time = 2.5;
+    Vec2 x(0.0, 0.0), v(0.0, 25.0);  // downhill, across
+    constexpr int kSteps = 250'000;
+    for (int k = 0; k < kSteps; ++k) {
+        const Vec2 a = g * (std::sin(slope) * Vec2::UnitX() - mu * std::cos(slope) * v.normalized());
+        x += time / kSteps * (v + 0.5 * time / kSteps * a);
+        v += time / kSteps * a;
+    }
+    const auto plane = inclined_plane(slope, 100.0);
+    for (const double step : {8e-3, 1e-3}) {
+        DynamicsSettings settings;
+        settings.mode = GetParam();
+        settings.time_step = step;
+        BlockState<3> release = on_plane(slope, 0.5 * kSide - kInside);
+        release.velocity = {0.0, 25.0, 0.0};
+        const TrajectoryEnd<3> end = HullMechanics{body_.block, *plane, {Soil{"plane", 0.0, mu, 0.0}}, settings}.until(
+            time - 0.25 * step, body_.to_block(release));
+        ASSERT_EQ(end.reason, StopReason::TimeLimit);
+        const Vec3 moved = plane_frame(slope).conjugate() * (end.state.position - release.position);
+        const double late = end.time - time;
+        EXPECT_NEAR(moved.x() - v.x() * late, x.x(), 1e-3 * x.x()) << step;
+        EXPECT_NEAR(moved.y() - v.y() * late, x.y(), 1e-3 * x.x()) << step;
+    }
+}
+
 // Rotation about the lower edge, the rolling moment mu_r N with N from the motion of the centre:
 // alpha0 = g (L/2 (sin - cos) - mu_r cos) / (2/3 L^2 + mu_r L/2) (README of the references).
 TEST_P(Cube, TipsOverItsLowerEdge) {

@@ -33,7 +33,7 @@ struct ContactProblem {
 
 struct ContactSolverSettings {
     double tolerance =
-        1e-4;  ///< largest natural-map residual relative to the free velocity; smaller costs iterations [-]
+        1e-4;  ///< largest residual relative to the speed with which the contacts approach; smaller costs iterations [-]
     int newton_iterations = 30;  ///< semismooth Newton iterations before the sweeps take over [-]
     int sweeps = 400;            ///< Gauss-Seidel sweeps of the fallback, Newton is tried again in between [-]
     bool operator==(const ContactSolverSettings&) const = default;
@@ -45,7 +45,7 @@ struct ContactSolverReport {
     SolverStatus status = SolverStatus::NotRun;
     int newton_iterations = 0;  ///< [-]
     int sweeps = 0;             ///< [-]
-    double residual = 0.0;      ///< natural-map residual at exit, relative to the free velocity [-]
+    double residual = 0.0;      ///< at exit, of the nonsmooth equations, relative to the speed of approach [-]
 };
 
 /// Solves for the impulses p [N s, N m s]; `impulse` holds a first guess on entry (zero if none) and must have the right size.
