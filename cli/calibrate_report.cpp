@@ -36,7 +36,7 @@ std::vector<Row> rows_of(const CalibrationReport& r) {
         std::string verdict = kIdentificationNames[static_cast<std::size_t>(e.identified)];
         if (e.at_low) verdict += ", on its lower edge";
         if (e.at_high) verdict += ", on its upper edge";
-        rows.push_back({p.parameters[i].name + unit, r.keys.given[i], value_text(e.value, e.interval),
+        rows.push_back({p.parameters[i].name + unit, r.keys.given[i], value_text(r.keys.used(i, e.value), e.interval),
                         value_text(e.interval.low, e.interval) + " to " + value_text(e.interval.high, e.interval),
                         short_number(p.parameters[i].low) + " to " + short_number(p.parameters[i].high), verdict});
     }
@@ -74,7 +74,8 @@ Json gap_json(const Gap& gap) {
 
 Json point_json(const CalibrationReport& r, const CalibrationPoint& point) {
     Json json = Json::object();
-    for (std::size_t i = 0; i < point.values.size(); ++i) json[r.keys.problem.parameters[i].name] = point.values[i];
+    for (std::size_t i = 0; i < point.values.size(); ++i)
+        json[r.keys.problem.parameters[i].name] = r.keys.used(i, point.values[i]);
     for (std::size_t i = 0; i < point.levels.size(); ++i)
         json[r.keys.problem.choices[i].name] = r.keys.problem.choices[i].levels[point.levels[i]];
     return json;
@@ -262,7 +263,7 @@ std::string calibrate_json(const CalibrationReport& r) {
                                       {"unit", r.keys.units[i]},
                                       {"given", r.keys.given[i]},
                                       {"before", result.start.values[i]},
-                                      {"value", e.value},
+                                      {"value", r.keys.used(i, e.value)},
                                       {"interval_95", ends_of(e.interval)},
                                       {"range", Json::array({p.low, p.high})},
                                       {"logarithmic", p.logarithmic},

@@ -88,6 +88,8 @@ ExitCode run_calibrate(const Context& context) {
 
     const SiteModel model = load_site(site);
     const ObservedSite observed = load_observed(site, model, context.observed);
+    gis::require_inputs_elsewhere(folder, model.files);
+    gis::require_inputs_elsewhere(folder, observed.files);
     print_warnings(context, model.warnings);
     if (print_findings(context, observed)) return ExitCode::BadInput;
     const CalibrationLoss loss(GapFunction(observed.observations, observed.op));

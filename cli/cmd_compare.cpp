@@ -72,6 +72,8 @@ ExitCode run_compare(const Context& context) {
     warn_of_partial_results(context, folder);
     SiteModel model = load_site(site);
     const ObservedSite observed = load_observed(site, model, context.observed);
+    gis::require_inputs_elsewhere(folder, model.files);
+    gis::require_inputs_elsewhere(folder, observed.files);
     print_warnings(context, model.warnings);
     if (print_findings(context, observed)) return ExitCode::BadInput;
     match_campaign(site, observed, model.campaign);

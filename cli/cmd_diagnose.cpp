@@ -263,6 +263,8 @@ ExitCode run_diagnose(const Context& context) {
     const InterruptScope interrupt;
     const ObservedSite observed =
         context.plan ? planned_test(site, model, context.instruments) : load_observed(site, model, context.observed);
+    gis::require_inputs_elsewhere(folder, model.files);
+    gis::require_inputs_elsewhere(folder, observed.files);
     print_warnings(context, observed.warnings);
     std::vector<std::string> suspicious;  // told at the end, too, but a user may want to mend them before it begins
     for (const Finding& f : observed.findings)

@@ -127,6 +127,7 @@ ExitCode run_profile(const Context& context) {
     SiteProfiles profiles = trace_site_profiles(site, terrain);
     const Surroundings around = read_surroundings(site, terrain, profiles);
     const std::vector<gis::InputFile> files = files_read(site, terrain, profiles);
+    gis::require_inputs_elsewhere(folder, files);
     std::vector<std::string> warnings = terrain.data.warnings();
     warnings.insert(warnings.end(), terrain.effect_warnings.begin(), terrain.effect_warnings.end());
     warnings.insert(warnings.end(), profiles.warnings.begin(), profiles.warnings.end());

@@ -102,6 +102,7 @@ ExitCode run_run(const Context& context) {
     gis::require_free_results_folder(folder, context.overwrite);
     warn_of_partial_results(context, folder);
     SiteModel model = load_site(site);
+    gis::require_inputs_elsewhere(folder, model.files);
     for (const EffectSettings& effect : site.settings.effects)
         if (effect_info(effect.effect.kind).hook == EffectHook::Measurement)
             model.warnings.push_back(std::string("effect ") + effect_info(effect.effect.kind).name +
@@ -137,6 +138,12 @@ ExitCode run_run(const Context& context) {
         *context.err
             << "warning: " << failed << " of " << result.released
             << " trajectories failed in the computation; they count in no map, and stopping_points shows where\n";
+    // only the scheme of the paper can do that: the mode event takes such a rise back
+    constexpr double kRise = 1e-2;  // [m]
+    if (const double rise = result.counters.largest_energy_rise; rise > kRise)
+        *context.err << "warning: in a step of moreau_jean the energy of a block rose by " << short_number(rise)
+                     << " m of fall: Newton's law of restitution with friction allows that where e is large; take "
+                        "model.mode = \"event\"\n";
     const auto warn_of = [&](StopReason reason, const char* what, const char* remedy) {
         constexpr double kMany = 0.05;  // of the blocks
         const std::int64_t count = result.reasons[static_cast<std::size_t>(reason)];

@@ -87,7 +87,7 @@ public:
         if (!run(site_, model_, observed_, blocks_, campaign)) return false;
         base_ = function_.simulated(campaign, seed());
         study.base.blocks = blocks_;
-        describe(study.base, base_);
+        describe(study.base, function_.measured(), base_);
         study.base.influence = spread_over_sets(base_gaps(blocks_));
         study.base.told_apart = 0.05;
         return true;
@@ -127,8 +127,9 @@ public:
         const ObservedSite observed = load_observed(site, model, context_.observed);
         CampaignResult campaign;
         if (!run(site, model, observed, v.blocks, campaign)) return false;
-        const ObservationTable table = function_.simulated(campaign, seed());
-        describe(v, table);
+        const GapFunction function(pooled(observed.observations), observed.op);  // the key may act on what is measured
+        const ObservationTable table = function.simulated(campaign, seed());
+        describe(v, function.measured(), table);
         judge(v, table);
         study.values.push_back(std::move(v));
         return true;
@@ -174,7 +175,7 @@ private:
         }
     }
 
-    void describe(SweepValue& v, const ObservationTable& table) const {
+    void describe(SweepValue& v, const ObservationTable& measured, const ObservationTable& table) const {
         const auto n = static_cast<std::size_t>(v.blocks);
         for (const MeasuredColumn& m : measures_) {
             std::vector<double> of_sets;
@@ -182,7 +183,7 @@ private:
                 of_sets.push_back(m.factor * mean_of(table, m.column, s * n, (s + 1) * n));
             v.measures.push_back(spread_over_sets(std::move(of_sets)));
         }
-        v.gap = gap_between(function_.measured(), table, true);
+        v.gap = gap_between(measured, table, true);
     }
 
     double gap_between(const ObservationTable& some, const ObservationTable& others, bool counts) const {
@@ -274,6 +275,8 @@ ExitCode run_sweep(const Context& context) {
     gis::require_free_results_folder(folder, context.overwrite);
     const SiteModel model = load_site(site);
     const ObservedSite observed = load_observed(site, model, context.observed);
+    gis::require_inputs_elsewhere(folder, model.files);
+    gis::require_inputs_elsewhere(folder, observed.files);
     print_warnings(context, model.warnings);
     if (print_findings(context, observed)) return ExitCode::BadInput;
 

@@ -76,6 +76,7 @@ ExitCode run_terrain(const Context& context) {
     warn_of_partial_results(context, folder);
     const SiteTerrain terrain = load_terrain(site);
     const std::vector<gis::InputFile> inputs = gis::input_files(terrain_inputs(site, terrain));
+    gis::require_inputs_elsewhere(folder, inputs);
     print_warnings(context, terrain.data.warnings());
     print_warnings(context, terrain.effect_warnings);  // a berm raises this ground
 

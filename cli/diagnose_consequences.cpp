@@ -147,6 +147,31 @@ std::array<ChangedValue, 4> values_of(const ScreenChange& c) {
              {"height_p95_m", c.before.height, c.after.height}}};
 }
 
+double fastest_on(const SiteModel& model, const CampaignResult& campaign, const std::string& soil) {
+    constexpr std::int64_t kMany = 20;  // of fewer a quantile says little
+    const CampaignInput& c = model.campaign;
+    double fastest = kNaN;
+    const auto add = [&](SoilId of_cell, const CellStatistics& s) {
+        if (c.soils[of_cell].name != soil || s.passages < kMany) return;
+        fastest = std::fmax(fastest, s.quantities[static_cast<std::size_t>(CellQuantity::Speed)].quantile(kShare));
+    };
+    for (std::size_t k = 0; k < c.tracks.size(); ++k) {
+        const Profile& profile = c.tracks[k].profile;
+        for (const auto& [cell, statistics] : campaign.cells_along[k])
+            add(profile.soil_at(std::min((static_cast<double>(cell) + 0.5) * c.cell_along, profile.length())),
+                statistics);
+    }
+    for (const auto& [cell, statistics] : campaign.cells) {
+        const auto columns = static_cast<std::size_t>(c.result_cells.columns);
+        const std::int64_t facet = c.surface->facet_at(
+            c.result_cells.centre(static_cast<int>(cell % columns), static_cast<int>(cell / columns)));
+        std::array<Vec3, 3> corners;
+        SoilId of_facet = 0;
+        if (facet >= 0 && c.surface->facet(facet, corners, of_facet)) add(of_facet, statistics);
+    }
+    return fastest;
+}
+
 std::vector<ScreenChange> changes_at_screens(const DiagnoseStudy& study, std::size_t answer) {
     std::vector<ScreenChange> changes;
     if (answer >= study.standing() || !acts_on_blocks(study.answers[answer])) return changes;

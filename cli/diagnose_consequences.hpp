@@ -35,6 +35,9 @@ std::array<ChangedValue, 4> values_of(const ScreenChange& change);
 /// Of an answer that stands and acts on blocks; else empty.
 std::vector<ScreenChange> changes_at_screens(const DiagnoseStudy& study, std::size_t answer);
 
+/// 95 % of the blocks are slower than this in every cell with ground of that soil that many cross [m/s]; NaN if none does.
+double fastest_on(const SiteModel& model, const CampaignResult& campaign, const std::string& soil);
+
 /// How many blocks come how far, before and after: curves along the profile with energies and heights in 2D, maps in 3D.
 std::vector<Figure> consequence_figures(const DiagnoseStudy& study, const SiteModel& model,
                                         const ObservedSite& observed);

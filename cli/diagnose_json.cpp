@@ -59,6 +59,7 @@ Json answer_json(const DiagnoseStudy& study, const AnswerFit& a, const AnsweredE
               {"unit", v.unit()},
               {"value", v.value(e.strength)},
               {"interval_95", ends_of({std::min(low, high), std::max(low, high)})},
+              {"determined", e.is_determined()},
               {"together", a.effects.size() > 1},
               {"weight", a.weight()},
               {"gap_fitted", a.model.result.best_fit.gap()},

@@ -59,9 +59,12 @@ void judge_refits(DiagnoseStudy& study) {
     if (study.verdict == Verdict::Group) return;  // no name is said
     const std::optional<HeldOutGain> gain = held_out_log_gain(study, answers.front());
     if (gain && gain->mean <= kGainErrors * gain->error)
-        demote("with " + answers.front().name() +
-               ", which comes nearest, blocks held out are more likely by no more than chance can do (logarithm: " +
-               short_number(gain->mean) + " +- " + short_number(gain->error) + ")");
+        demote(
+            "with " + answers.front().name() +
+            (gain->mean > 0.0
+                 ? ", which comes nearest, blocks held out are more likely by no more than chance can do (logarithm: "
+                 : ", which comes nearest, blocks held out are no more likely (logarithm: ") +
+            short_number(gain->mean) + " +- " + short_number(gain->error) + ")");
 }
 
 std::optional<double> removable_gap_closed(const DiagnoseStudy& study, const AnswerFit& answer) {

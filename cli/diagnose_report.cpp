@@ -74,8 +74,9 @@ void print_answers(std::ostream& out, const DiagnoseStudy& study) {
         if (changes.empty()) continue;
         const std::string what = study.standing() > 1 ? study.answers[k].name() : "it";
         out << "\n"
-            << padded("what " + what + " changes, with 95 % values", 34) << padded("passed by [%]", 18)
-            << padded("speed [m/s]", 18) << padded("energy [kJ]", 18) << "height [m]\n";
+            << "what " << what << " changes, with 95 % values\n"
+            << padded("", 34) << padded("passed by [%]", 18) << padded("speed [m/s]", 18) << padded("energy [kJ]", 18)
+            << "height [m]\n";
         for (const ScreenChange& c : changes) {
             out << padded("  at " + c.screen, 34);
             for (const ChangedValue& v : values_of(c))
@@ -347,9 +348,8 @@ std::string diagnose_html(const DiagnoseStudy& study, const std::vector<Figure>&
         html << "<h2>Measured and simulated, " << escaped(m.model) << "</h2>\n";
         for (const Figure& f : m.figures) html << html_figure(f);
     }
-    html << "<h2>Not searched</h2>\n"
-         << html_list(study.catalogue.left_out) << "<h2>Inputs</h2>\n"
-         << html_list(study.inputs);
+    if (!study.catalogue.left_out.empty()) html << "<h2>Not searched</h2>\n" << html_list(study.catalogue.left_out);
+    html << "<h2>Inputs</h2>\n" << html_list(study.inputs);
     return html_page(study.site.settings.name + (study.planning ? ": plan of a test" : ": diagnosis"), html.str());
 }
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "cli/diagnose_study.hpp"
 
+#include "cli/diagnose_consequences.hpp"
 #include "cli/diagnose_models.hpp"
 #include "cli/diagnose_refits.hpp"
 #include "cli/further_instruments.hpp"
@@ -350,6 +351,7 @@ private:
                              ? strength_range(e)
                              : fit.model.result.parameters[first + next].interval;
             ++next;
+            if (!e.variant.soil.empty()) e.fastest = fastest_on(in_.model, fit.campaign, e.variant.soil);
         }
         study_.answers.push_back(std::move(fit));
     }
@@ -365,7 +367,8 @@ private:
 
 std::string AnswerFit::name() const {
     std::string text;
-    for (const AnsweredEffect& e : effects) text += (text.empty() ? "" : " and ") + e.candidate->name;
+    for (const AnsweredEffect& e : effects)  // a family by the form that was found, which is what a site file has
+        text += (text.empty() ? "" : " and ") + (e.candidate->variants.empty() ? e.candidate->name : e.variant.form());
     return text;
 }
 

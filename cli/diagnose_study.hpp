@@ -42,7 +42,10 @@ struct AnsweredEffect {
     EffectFinding finding;
     double strength = 0.0;  ///< refitted, if it has one [-]
     bool has_strength() const { return !variant.space; }
-    Interval interval;  ///< 95 % of it, as the residuals of the test say, within which the refit stays [-]
+    Interval interval;      ///< 95 % of it, as the residuals of the test say, within which the refit stays [-]
+    double fastest = kNaN;  ///< 95 % of the blocks are slower wherever there is ground of its soil, if it has one [m/s]
+    /// False if the interval is all that is searched.
+    bool is_determined() const { return interval.low > 0.0 || interval.high < variant.most; }
 };
 
 /// An answer, refitted: one effect, or two that act together. The third dimension is there or not, without a strength to fit.
@@ -57,7 +60,7 @@ struct AnswerFit {
 
     double weight() const { return effects.front().finding.weight; }
     bool in_space() const;     ///< the model is 2D, and the answer is 3D
-    std::string name() const;  ///< "ground_drag and air_drag"
+    std::string name() const;  ///< forms, "ground_drag_quadratic and air_drag"
 };
 
 /// What the same test would tell with one more instrument or more blocks: of a plan about the whole catalogue, of a group about its members.

@@ -58,7 +58,8 @@ std::string strength_text(const AnsweredEffect& e) {
     if (v.space) return "the blocks move in 3D";
     const double a = v.value(e.interval.low), b = v.value(e.interval.high);
     std::string text = v.parameter + " " + with_unit(v.value(e.strength), v.unit()) +
-                       " (95 %: " + short_number(std::min(a, b)) + " to " + short_number(std::max(a, b)) + ")";
+                       (e.is_determined() ? " (95 %: " : " (not determined, it may be anything that is searched: ") +
+                       short_number(std::min(a, b)) + " to " + short_number(std::max(a, b)) + ")";
     if (v.on) {
         const Interval middle = middle_interval(e);
         text += ", its middle at " + metres_along(v.on->middle()) + " m (95 %: " + metres_along(middle.low) + " to " +
@@ -85,6 +86,13 @@ std::vector<std::string> held_out_sentences(const DiagnoseStudy& study, const An
         sentences.push_back(
             *share > 0.0 ? "closes " + short_number(100.0 * std::min(1.0, *share)) + " % of the removable held-out gap"
                          : "widens the removable held-out gap by " + short_number(-100.0 * *share) + " %");
+    // losses and gaps may point to different sides: a model of which the blocks scatter less has a lower floor
+    if (answer.model.result.held_out.loss < study.baseline.result.held_out.loss &&
+        answer.model.result.held_out.gap() > study.baseline.result.held_out.gap())
+        sentences.push_back(
+            "loses less all the same where its held-out gap is larger: gaps are relative to what each "
+            "model's own blocks scatter by, which is less with " +
+            answer.name());
     const std::string record = study.before.repeats > 0 ? "a block" : "a record";
     if (const auto gain = held_out_log_gain(study, answer))
         sentences.push_back(record + " held out is " + std::string(gain->mean < 0.0 ? "less" : "more") +
@@ -199,25 +207,25 @@ std::string answer_names(const std::vector<AnswerFit>& answers) {
     return text;
 }
 
-/// Effects that could have produced the measurements, none of them by far the likeliest; empty if what comes nearest could not.
+/// Effects that could have produced the measurements, none of them by far the likeliest; empty if what comes nearest could not, and nothing else is worth a word.
 std::string rivals(const DiagnoseStudy& study) {
     const Diagnosis& d = study.diagnosis;
-    if (d.findings.empty() || !d.findings.front().finalist || d.findings.front().p <= study.settings.rejected)
-        return "";
+    if (d.findings.empty() || !d.findings.front().finalist) return "";
     std::string text;
     std::size_t count = 0;
     for (const EffectFinding& f : d.findings)  // by weight
         if (f.finalist && f.p > study.settings.rejected && f.weight >= kWorthSaying &&
             ++count <= study.settings.largest_group)
             text += variant_name(study.variant_of(f)) + " (weight " + weight_text(f.weight) + "), ";
+    if (count == 0 && d.findings.front().p <= study.settings.rejected) return "";
     return text + "something without a name (" + weight_text(d.weight_unnamed) + "), or chance (" +
            weight_text(d.weight_none) + ")";
 }
 
-/// What is missing has no name: what comes nearest cannot be it.
+/// What comes nearest, where it cannot be it.
 std::string nearest(const DiagnoseStudy& study) {
     const std::vector<EffectFinding>& findings = study.diagnosis.findings;
-    if (findings.empty() || !findings.front().finalist) return "";
+    if (findings.empty() || !findings.front().finalist || findings.front().p > study.settings.rejected) return "";
     const EffectFinding& f = findings.front();
     return "; " + variant_name(study.variant_of(f)) + " comes nearest, but only " + short_number(100.0 * f.p) +
            " % of its own simulations look as far off";
@@ -229,7 +237,7 @@ std::string unknown_sentence(const DiagnoseStudy& study) {
                                 " missing (p = " + p_text(d.test.p) + ")";
     if (!study.demoted.empty()) return missing + ", but it gets no name: " + study.demoted;
     if (const std::string some = rivals(study); !some.empty())
-        return missing + ", and these measurements do not say what: " + some;
+        return missing + ", and these measurements do not say what: " + some + nearest(study);
     return missing + " that has no name in the catalogue" + nearest(study);
 }
 
@@ -336,8 +344,10 @@ static std::string transfer(const DiagnoseStudy& study, const CampaignResult& ca
     }
     if (speeds.empty()) return e.candidate->name + " holds for this slope and these blocks";
     std::sort(speeds.begin(), speeds.end());
-    return e.candidate->name + " as a law was seen with blocks of " + short_number(lightest) + " to " +
-           short_number(heaviest) + " kg at up to " + short_number(sample_quantile(speeds, 0.95)) + " m/s" +
+    const double fastest = e.variant.soil.empty() ? sample_quantile(speeds, 0.95) : e.fastest;
+    return variant_name(e.variant) + " as a law was seen with blocks of " + short_number(lightest) + " to " +
+           short_number(heaviest) + " kg" +
+           (std::isfinite(fastest) ? ", 95 % of them slower than " + short_number(fastest) + " m/s" : "") +
            (e.variant.soil.empty() ? "" : " on " + e.variant.soil) +
            ": it may be carried to ground like this; beyond these masses and speeds it is a guess";
 }
@@ -430,6 +440,10 @@ std::vector<std::string> diagnose_remarks(const DiagnoseStudy& study) {
             "no residual that was tested stands out, and yet the model is beyond chance as a whole (gap "
             "over all " +
             gap_number(study.told().overall.gap) + "): look at the observables in the report before you trust it");
+    if (study.judged() && study.verdict == Verdict::Unknown && study.told().overall.beyond_chance())
+        remarks.push_back("the model without what is missing is beyond chance as a whole (gap over all " +
+                          gap_number(study.told().overall.gap) +
+                          "): what it says of screens and reach is off by what is missing");
     if (study.judged() && study.baseline.result.held_out_was_seen)
         remarks.push_back(held_out_remark("the calibrated model"));
     if (study.baseline.as_followed) remarks.push_back(as_followed_remark("the calibrated model"));
@@ -459,7 +473,7 @@ std::vector<std::string> diagnose_remarks(const DiagnoseStudy& study) {
         for (const AnswerFit& a : study.answers)
             for (const AnsweredEffect& e : a.effects)
                 remarks.push_back(e.candidate->name + " would show in " + e.variant.seen_in());
-    if (study.in_plane && !study.planning) {
+    if (study.in_plane && !study.planning && study.verdict != Verdict::DataProblem) {
         const std::string sideways = sideways_remark(study);
         if (!sideways.empty()) remarks.push_back(sideways);
     }

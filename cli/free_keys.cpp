@@ -149,17 +149,27 @@ private:
             !read_number(parts[0], p.low) || !read_number(parts[1], p.high))
             refuse("needs a range, " + name + "=LOW:HIGH or " + name + "=LOW:HIGH:log");
         p.logarithmic = parts.size() == 3;
-        read_number(key.value, p.start);
         if (!(p.low < p.high)) refuse("has an empty range: LOW must be below HIGH");
         if (p.logarithmic && p.low <= 0.0) refuse("is searched by ratios: its range must begin above 0");
-        if (p.start < p.low || p.start > p.high)
-            refuse("does not contain the value of the site, " + key.value +
-                   ": widen the range, or change the value with --set");
+        double least = kInfinity, most = -kInfinity;
+        keys.given.emplace_back();
+        for (const std::string& value : key.values) {
+            double given = 0.0;
+            if (!read_number(value, given)) continue;  // not set
+            if (given < p.low || given > p.high)
+                refuse("does not contain the value of the site, " + value +
+                       ": widen the range, or change the value with --set");
+            least = std::min(least, given);
+            most = std::max(most, given);
+            keys.given.back() += (keys.given.back().empty() ? "" : ", ") + value;
+        }
+        if (least == most)
+            p.start = least;
+        else if (least < most)
+            p.start = p.logarithmic ? std::sqrt(least * most) : 0.5 * (least + most);
+        keys.uneven.push_back(least < most);
         keys.problem.parameters.push_back(p);
         keys.units.push_back(key.unit);
-        keys.given.emplace_back();
-        for (const std::string& value : key.values)
-            keys.given.back() += (keys.given.back().empty() ? "" : ", ") + value;
         keys.whole.push_back(key.allowed.starts_with("a whole number"));
         for (const double end : {p.low, p.high})  // the table of settings knows what is allowed
             with_changes(site_, {name + "=" + keys.text(keys.units.size() - 1, end)});
@@ -228,15 +238,19 @@ void require_ordered(const SiteFile& site, const FreeKeys& keys) {
 }  // namespace
 
 std::string FreeKeys::text(std::size_t i, double value) const {
-    if (whole[i]) return std::to_string(std::llround(value));
+    if (is_whole(i)) return std::to_string(std::llround(value));
     char buffer[32];
     return {buffer, std::to_chars(buffer, buffer + sizeof buffer, value).ptr};  // the shortest that reads back the same
 }
 
 std::vector<std::string> FreeKeys::changes(const CalibrationPoint& point) const {
     std::vector<std::string> list;
-    for (std::size_t i = 0; i < point.values.size(); ++i)
-        list.push_back(problem.parameters[i].name + "=" + text(i, point.values[i]));
+    for (std::size_t i = 0; i < point.values.size(); ++i) {
+        const CalibrationParameter& p = problem.parameters[i];
+        constexpr double kSame = 1e-12;  // of the range
+        if (i < uneven.size() && uneven[i] && std::abs(point.values[i] - p.start) <= kSame * (p.high - p.low)) continue;
+        list.push_back(p.name + "=" + text(i, point.values[i]));
+    }
     for (std::size_t i = 0; i < point.levels.size(); ++i)
         list.push_back(problem.choices[i].name + "=" + choice_text(problem.choices[i].levels[point.levels[i]]));
     return list;

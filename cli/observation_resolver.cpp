@@ -207,8 +207,9 @@ private:
     }
 
     void add_shares() {
-        std::set<std::string> unknown;
+        std::set<std::string> unknown, seen, twice;
         for (const gis::ShareRecord& r : records_.shares) {
+            if (!seen.insert(r.zone).second) twice.insert(r.zone);
             const std::int32_t zone = find_name(result_.op.zones, r.zone);
             if (zone < 0)
                 unknown.insert(r.zone);
@@ -220,6 +221,9 @@ private:
         if (stops && !records_.shares.empty() && records_.seed.empty())  // results of Scree have both, and agree
             find(Severity::Warning, "shares_unused",
                  "deposit_zones are not compared, as the stops say in which zone each block is");
+        if (!twice.empty())
+            find(Severity::Error, "zone_twice",
+                 "deposit_zones have more than one row for " + listed(twice) + ": add them up to one per zone");
         report_unknown("unknown_zone", "deposit zones", "deposit_zones", unknown, result_.op.zones);
     }
 

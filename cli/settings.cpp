@@ -165,9 +165,10 @@ void add_model(std::vector<Setting<SiteSettings>>& keys) {
                                 "Kinetic energy per weight below which a block in static equilibrium may stop."));
     keys.push_back(model.number("rest_time", "s", {0, 10}, AT(dynamics.rest_time),
                                 "How long it must stay so before it counts as at rest."));
-    keys.push_back(
-        model.number("solver_tolerance", "-", {1e-17, 1e-2}, AT(dynamics.solver.tolerance),
-                     "Largest residual of a contact problem relative to the velocities in it; smaller is slower."));
+    keys.push_back(model.number(
+        "solver_tolerance", "-", {1e-17, 1e-2}, AT(dynamics.solver.tolerance),
+        "Largest residual of a contact problem relative to the speed at which its contacts approach; smaller is "
+        "slower."));
     keys.push_back(model.flag("vertices_only", AT(dynamics.vertices_only),
                               "Leave out contacts of terrain tips and crests: only to compare with codes that lack "
                               "them; blocks then sink into crests."));

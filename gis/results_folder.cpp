@@ -170,6 +170,17 @@ void require_free_results_folder(const fs::path& folder, bool overwrite) {
     }
 }
 
+void require_inputs_elsewhere(const fs::path& folder, const std::vector<InputFile>& inputs) {
+    std::error_code ignored;
+    const fs::path target = fs::weakly_canonical(fs::absolute(folder), ignored);
+    for (const InputFile& input : inputs) {
+        const fs::path inside = fs::weakly_canonical(fs::absolute(input.path), ignored).lexically_relative(target);
+        if (!inside.empty() && inside.begin()->string() != "..")
+            throw InputError(input.path + ": is an input, and lies in " + folder.string() +
+                             ", which the results would replace; choose another --output");
+    }
+}
+
 ResultsFolder::ResultsFolder(const fs::path& folder, bool overwrite) : final_(resolved(folder)) {
     require_free_results_folder(folder, overwrite);
     fs::create_directories(final_.parent_path());

@@ -1,8 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include "gis/dataset.hpp"
+
 #include <filesystem>
 #include <string>
+#include <vector>
 
 namespace scree::gis {
 
@@ -14,6 +17,9 @@ inline constexpr const char* kGeoPackageFile = "results.gpkg";
 /// Throws InputError if results cannot go to the folder: it is a file, it holds things but no result, it holds a result and
 /// `overwrite` is false, or nothing can be written there. Call it before hours of computing.
 void require_free_results_folder(const std::filesystem::path& folder, bool overwrite);
+
+/// Throws InputError if one of these files lies in the folder, which results would replace.
+void require_inputs_elsewhere(const std::filesystem::path& folder, const std::vector<InputFile>& inputs);
 
 /// A folder of results that appears whole or not at all. Files are written under a temporary name beside the final one; commit()
 /// lists their hashes, flushes them to disc and swaps the folders in one step. Without commit() nothing of it remains.

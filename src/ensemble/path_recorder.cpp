@@ -93,6 +93,7 @@ FilmedImpact::End PathRecorder<Dim>::impact_end(const MotionSegment<Dim>& m, dou
     const Vec position = position_at(m, share);
     FilmedImpact::End end;
     end.time = m.start + share * m.duration;
+    end.mass = m.mass;
     end.position = on_map(position);
     end.velocity = velocity_on_map(position, velocity_at(m, share));
     end.spin = spin_at(m, share);
@@ -111,6 +112,7 @@ void PathRecorder<Dim>::add_crossing(std::size_t screen, const MotionSegment<Dim
     c.position = on_map(position);
     c.velocity = velocity_on_map(position, velocity);
     c.spin = spin_at(m, share);
+    c.mass = m.mass;
     c.energy = energy_at(m, share);
     c.height = position[Dim - 1] - ground(position);
     c.measured_speed = velocity.norm();

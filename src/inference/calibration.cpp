@@ -335,6 +335,7 @@ private:
         const auto n = static_cast<Eigen::Index>(problem_.records);
         const Eigen::VectorXd even = Eigen::VectorXd::Constant(n, 1.0 / static_cast<double>(n));
         result_.parameters = estimates_of(spread_, p, tried());
+        widen(spread_, p, result_.parameters);
         result_.correlation = correlation_of(spread_);
         result_.directions = directions_of(spread_);
         result_.surroundings = {fit_->points(), fit_->noise(even), fit_->explained(even), true, {}, {}};

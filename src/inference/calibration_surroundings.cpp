@@ -3,6 +3,8 @@
 
 #include "inference/eigenpairs.hpp"
 
+#include <Eigen/Cholesky>
+
 #include <algorithm>
 #include <cmath>
 #include <numeric>
@@ -16,8 +18,7 @@ constexpr double kSpreads = 4.0;  // half width of a closer box in standard devi
 constexpr double kLeastHalf = 0.04,
                  kMostHalf = 0.3;  // of a box; 0.5 would be the whole range, farther than quadratics hold [-]
 constexpr double kLow = 0.025, kHigh = 0.975;  // ends of intervals [-]
-constexpr double kTakesPart = 0.1;             // share of a parameter in a direction from which on it follows it [-]
-constexpr double kFlat = 0.16;                 // share of flat draws beyond which losses do not bound a parameter [-]
+constexpr int kLooks = 200;                    // from a minimum to the side of the box [-]
 constexpr double kOnSide = 1e-6;               // from the side of a box [-]
 constexpr std::size_t kEnoughBeyond = 4;       // simulated points that make a wall, per parameter [-]
 
@@ -28,24 +29,19 @@ void sides(const UnitBox& box, Eigen::VectorXd& low, Eigen::VectorXd& high) {
     high = ((box.centre + reach).cwiseMin(1.0) - box.centre).cwiseQuotient(box.half);
 }
 
-/// 1 for parameters along which a quadratic that is least over all others does not curve upwards. With others that make it fall without end, none does.
-Eigen::VectorXd flat_directions(const Eigen::MatrixXd& curvature) {
+/// The way of parameter i along which the others stay where a quadratic is least for it, in z; along the axis if that has no end.
+Eigen::VectorXd followed(const Eigen::MatrixXd& curvature, Eigen::Index i) {
     const Eigen::Index n = curvature.rows();
-    Eigen::VectorXd flat = Eigen::VectorXd::Ones(n);
-    const auto [values, vectors] = eigenpairs(curvature);
-    // of a direction of negative curvature, those parameters are flat that take part in it
-    for (Eigen::Index i = 0; i < n; ++i) {
-        double inverse = 0.0, downwards = 0.0;
-        for (Eigen::Index k = 0; k < n; ++k) {
-            const double part = vectors(i, k) * vectors(i, k), value = values[k];
-            if (value > 0.0)
-                inverse += part / value;
-            else
-                downwards += part;
-        }
-        flat[i] = downwards > kTakesPart || !(inverse > 0.0) ? 1.0 : 0.0;
-    }
-    return flat;
+    Eigen::VectorXd way = Eigen::VectorXd::Unit(n, i);
+    std::vector<Eigen::Index> others;
+    for (Eigen::Index k = 0; k < n; ++k)
+        if (k != i) others.push_back(k);
+    const Eigen::MatrixXd rest = curvature(others, others);
+    const Eigen::LLT<Eigen::MatrixXd> solver(rest);
+    if (others.empty() || solver.info() != Eigen::Success) return way;
+    const Eigen::VectorXd following = -solver.solve(curvature(others, i));
+    if (following.allFinite()) way(others) = following;
+    return way;
 }
 
 Eigen::MatrixXd covariance_of(const Eigen::MatrixXd& draws) {
@@ -71,17 +67,25 @@ MinimumSpread spread_of_minimum(const QuadraticFit& fit, const UnitBox& box, std
     const Eigen::VectorXd least = least_in_box(whole, low, high);
     spread.best = in_cube(least);
     spread.draws.resize(draws, box.centre.size());
-    spread.flat = Eigen::VectorXd::Zero(box.centre.size());
+    spread.half = box.half;
+    spread.slope.resize(draws, box.centre.size());
+    spread.curvature.resize(draws, box.centre.size());
+    std::vector<Eigen::VectorXd> ways;
+    for (Eigen::Index i = 0; i < box.centre.size(); ++i) ways.push_back(followed(whole.curvature, i));
     for (Eigen::Index d = 0; d < draws; ++d) {
         weights.setZero();
         for (Eigen::Index k = 0; k < n; ++k)
             weights[static_cast<Eigen::Index>(random.below(records))] += 1.0 / static_cast<double>(n);
-        // the gradient at the minimum is drawn, the curvature is that of all records: minima of quadratics of which both are drawn lie anywhere whenever
-        // the noise happens to make them flat
+        // of the minimum the gradient is drawn, the curvature is that of all records: minima of quadratics of which both are drawn lie anywhere whenever the
+        // noise happens to make them flat. That they may be flat is for the intervals
         const Quadratic drawn = fit.quadratic(fit.coefficients_of(weights) + fit.coefficient_error(weights, random));
         Quadratic q = whole;
         q.slope = drawn.slope + (drawn.curvature - whole.curvature) * least;
-        spread.flat += flat_directions(drawn.curvature) / static_cast<double>(draws);
+        for (std::size_t i = 0; i < ways.size(); ++i) {
+            const auto column = static_cast<Eigen::Index>(i);
+            spread.slope(d, column) = ways[i].dot(drawn.slope + drawn.curvature * least);
+            spread.curvature(d, column) = ways[i].dot(drawn.curvature * ways[i]);
+        }
         spread.draws.row(d) = in_cube(least_in_box(q, low, high)).transpose();
     }
     return spread;
@@ -154,6 +158,22 @@ double wall_below(double best, Eigen::Index i, const std::vector<TriedPoint>& tr
     return !tried.empty() && beyond >= kEnoughBeyond * static_cast<std::size_t>(tried.front().u.size()) ? wall : 0.0;
 }
 
+/// How far up from the minimum, in z, the slope of the loss may still be zero or fall: up to where it rises in all but kLow of the draws; infinite if it does
+/// not up to `farthest`.
+double reach_up(const Eigen::VectorXd& slope, const Eigen::VectorXd& curvature, double farthest) {
+    std::vector<double> slopes(static_cast<std::size_t>(slope.size()));
+    for (int k = 0; k <= kLooks; ++k) {
+        const double z = farthest * k / kLooks;
+        for (std::size_t d = 0; d < slopes.size(); ++d) {
+            const auto draw = static_cast<Eigen::Index>(d);
+            slopes[d] = slope[draw] + z * curvature[draw];
+        }
+        std::sort(slopes.begin(), slopes.end());
+        if (sample_quantile(slopes, kLow) > 0.0) return z;
+    }
+    return kInfinity;
+}
+
 }  // namespace
 
 std::vector<ParameterEstimate> estimates_of(const MinimumSpread& spread,
@@ -164,24 +184,53 @@ std::vector<ParameterEstimate> estimates_of(const MinimumSpread& spread,
     std::vector<ParameterEstimate> estimates;
     for (std::size_t i = 0; i < parameters.size(); ++i) {
         const auto column = static_cast<Eigen::Index>(i);
+        const double u = spread.best[column], half = spread.half[column];
+        const Eigen::VectorXd slope = spread.slope.col(column), curvature = spread.curvature.col(column);
         const auto values = spread.draws.col(column);
         std::vector<double> sorted(values.begin(), values.end());
         std::sort(sorted.begin(), sorted.end());
         double low = sample_quantile(sorted, kLow), high = sample_quantile(sorted, kHigh);
-        // a minimum on the side of the box that was looked into may lie anywhere beyond it
+        // a minimum on the side of the box that was looked into may lie anywhere beyond it, and so may one that nothing holds back up to there
         if (low < spread.low[column] + kOnSide) low = 0.0;
         if (high > spread.high[column] - kOnSide) high = 1.0;
-        const double u = spread.best[column];
-        // nor do losses bound it that may be level; on an end of its range a slope is enough
-        if (spread.flat[column] > kFlat && u > kAtEdge && u < 1.0 - kAtEdge) {
-            low = 0.0;
-            high = 1.0;
-        }
+        low = std::clamp(u - half * reach_up(-slope, curvature, (u - spread.low[column]) / half), 0.0, low);
+        high = std::clamp(u + half * reach_up(slope, curvature, (spread.high[column] - u) / half), high, 1.0);
         low = std::max(low, wall_below(u, column, tried));
         high = std::min(high, 1.0 - wall_below(1.0 - u, column, upside_down));
         estimates.push_back(estimate_of(parameters[i], u, low, high));
     }
     return estimates;
+}
+
+void widen(MinimumSpread& spread, const std::vector<CalibrationParameter>& parameters,
+           const std::vector<ParameterEstimate>& estimates) {
+    for (std::size_t i = 0; i < parameters.size(); ++i) {
+        const auto column = static_cast<Eigen::Index>(i);
+        const double best = spread.best[column];
+        // once upwards, once downwards, as if that were up
+        for (const double sign : {1.0, -1.0}) {
+            const double end =
+                sign *
+                (unit_of(parameters[i], sign > 0.0 ? estimates[i].interval.high : estimates[i].interval.low) - best);
+            const double side = sign * ((sign > 0.0 ? spread.high : spread.low)[column] - best);
+            std::vector<double> up;
+            std::vector<Eigen::Index> on_side;
+            for (Eigen::Index d = 0; d < spread.draws.rows(); ++d) {
+                up.push_back(sign * (spread.draws(d, column) - best));
+                if (up.back() > side - kOnSide) on_side.push_back(d);
+            }
+            for (std::size_t k = 0; end > side && k < on_side.size(); ++k)
+                up[static_cast<std::size_t>(on_side[k])] =
+                    side + (end - side) * (static_cast<double>(k) + 0.5) / static_cast<double>(on_side.size());
+            std::vector<double> sorted = up;
+            std::sort(sorted.begin(), sorted.end());
+            const double known = sample_quantile(sorted, kHigh);
+            const double stretch = known > 0.0 ? std::max(end / known, 1.0) : 1.0;
+            for (Eigen::Index d = 0; d < spread.draws.rows(); ++d)
+                if (const double u = up[static_cast<std::size_t>(d)]; u > 0.0)
+                    spread.draws(d, column) = best + sign * std::min(stretch * u, std::max(u, end));
+        }
+    }
 }
 
 ParameterEstimate estimate_of(const CalibrationParameter& parameter, double u, double low, double high) {

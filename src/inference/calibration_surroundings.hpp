@@ -12,8 +12,9 @@ struct MinimumSpread {
     Eigen::VectorXd best;       ///< of all records
     Eigen::MatrixXd draws;      ///< one row per draw
     Eigen::VectorXd low, high;  ///< where minima were looked for
-    Eigen::VectorXd
-        flat;  ///< per parameter, share of the draws in which the loss does not rise to both sides of it, the others being best
+    Eigen::VectorXd half;       ///< of the box
+    /// Per draw and parameter, along the way on which the others follow it: slope of the loss at `best` and its curvature, both drawn, per half and half^2.
+    Eigen::MatrixXd slope, curvature;
 };
 
 /// Looks for minima up to a quarter of the box beyond its sides, never beyond the unit cube.
@@ -41,10 +42,15 @@ struct TriedPoint {
     bool worse = false;
 };
 
-/// Intervals from the spread of the minimum, less what lies beyond simulated points of which all are surely worse: a quadratic knows of no walls.
+/// Intervals: 95 % of the draws, and all values at which the slope of the loss may be zero with a curvature as uncertain as it is: without an end where the loss
+/// may be flat (the set of Fieller 1954, J R Stat Soc B 16:175, for a minimum, which is a slope over a curvature; drawn as by Hu & Kalbfleisch 2000, Can J Stat
+/// 28:449). Less what lies beyond simulated points of which all are surely worse: a quadratic knows of no walls.
 std::vector<ParameterEstimate> estimates_of(const MinimumSpread& spread,
                                             const std::vector<CalibrationParameter>& parameters,
                                             const std::vector<TriedPoint>& tried);
+/// Moves draws apart until those of each parameter fill its interval: what lies on a side of the box may be anywhere beyond it, up to the end of the interval.
+void widen(MinimumSpread& spread, const std::vector<CalibrationParameter>& parameters,
+           const std::vector<ParameterEstimate>& estimates);
 /// Of one parameter, all in shares of its range; the interval holds the value.
 ParameterEstimate estimate_of(const CalibrationParameter& parameter, double u, double low, double high);
 Eigen::MatrixXd correlation_of(const MinimumSpread& spread);

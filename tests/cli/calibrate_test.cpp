@@ -2,6 +2,7 @@
 // `scree calibrate` and `scree sweep` on quarry_a in 2D, against field tests that scree made itself with another ground: what they find, what they write,
 // how a calibration goes on, and what is refused. Budgets are small: that they find it at the stated rate is for verification/calibration_test.cpp.
 #include "cli/calibration_journal.hpp"
+#include "cli/free_keys.hpp"
 #include "cli/program.hpp"
 #include "cli/results.hpp"
 #include "cli/site_file.hpp"
@@ -286,6 +287,32 @@ TEST(Sweep, TellsApartWhatMattersFromWhatDoesNot) {
 }
 
 // Every set has each known block once: so it is in the sets that chance is told by, or blocks of very different size hide what a key does.
+// Keys that act on what is measured change what a simulation is compared as, like any other.
+TEST(Sweep, KeysOfTheMeasurementAct) {
+    const TempDir folder;
+    const fs::path observed = field_test(folder);
+    const Outcome run =
+        in_plane("sweep", observed, folder / "out", {"--sets", "6", "--set", "observed.speed_error=0,5"});
+    ASSERT_EQ(run.code, 0) << run.err;
+    const json j = json::parse(text_of(folder / "out" / "sweep.json"));
+    EXPECT_NE(j.at("values")[0].at("gap_to_test"), j.at("values")[1].at("gap_to_test"));
+}
+
+// One value for soils that have different ones: the model before the calibration is the site as it is, and not the site with the first of them.
+TEST(Calibrate, AJointKeyBeginsAtTheSiteAsItIs) {
+    const cli::SiteFile site = cli::read_site_file(
+        quarry_a() / "site.toml", {"soil.loose waste.rolling=0.01", "soil.compact waste.rolling=0.16"});
+    const cli::FreeKeys keys = cli::read_free_keys(site, {"soil.*.rolling=0.005:0.2:log", "soil.*.friction=0.3:0.9"});
+    CalibrationPoint point{{keys.problem.parameters[0].start, keys.problem.parameters[1].start}, {}};
+    EXPECT_NEAR(point.values[0], 0.04, 1e-12);
+    EXPECT_NEAR(point.values[1], 0.55, 1e-12);
+    EXPECT_THAT(keys.changes(point), IsEmpty());
+    point.values[0] = 0.05;
+    EXPECT_EQ(keys.changes(point), std::vector<std::string>{"soil.*.rolling=0.05"});
+    const auto outside = [&] { cli::read_free_keys(site, {"soil.*.rolling=0.005:0.1:log"}); };
+    EXPECT_THAT(outside, testing::ThrowsMessage<InputError>(HasSubstr("does not contain the value of the site, 0.16")));
+}
+
 TEST(Sweep, KnowsTheChanceOfBlocksThatAreVeryDifferent) {
     const TempDir folder;
     std::string list = "block_id,mass_kg,L1_m,L2_m,L3_m\n";

@@ -76,6 +76,44 @@ TEST(DiagnoseWords, WhatComesNearestAndCannotBeIt) {
               "but only 0.5 % of its own simulations look as far off");
 }
 
+// What comes nearest is rejected by its own simulations, but something else is not: that must not be denied.
+TEST(DiagnoseWords, ARejectedLeaderDoesNotSilenceTheOthers) {
+    EXPECT_EQ(verdict_sentence(unknown({0.6, 0.3}, 0.005)),
+              "UNKNOWN: something is missing (p = 0.002), and these measurements do not say what: soil_patch (weight "
+              "0.300), something without a name (0.040), or chance (0.060); ground_drag comes nearest, but only 0.5 % "
+              "of its own simulations look as far off");
+}
+
+TEST(DiagnoseWords, AStrengthThatMayBeAnythingIsNotDetermined) {
+    DiagnosisVariant drag;
+    drag.kind = EffectKind::GroundDrag;
+    drag.parameter = "coefficient";
+    drag.reference = 1.0;
+    drag.most = 4.0;
+    DiagnosisCandidate candidate{"ground_drag", "", false, {drag}};
+    AnsweredEffect e{&candidate, drag, {}, 2.0, {1.5, 2.5}};
+    EXPECT_THAT(strength_text(e), HasSubstr("(95 %: 1.5 to 2.5)"));
+    e.interval = {0.0, 4.0};
+    EXPECT_THAT(strength_text(e), HasSubstr("(not determined, it may be anything that is searched: 0 to 4)"));
+    EXPECT_FALSE(e.is_determined());
+}
+
+// Of a law on one soil it counts how fast blocks are there, and not how fast they get farther down.
+TEST(DiagnoseWords, ALawWasSeenAtTheSpeedsOfItsGround) {
+    DiagnosisVariant drag;
+    drag.kind = EffectKind::GroundDrag;
+    drag.soil = "loose";
+    DiagnosisCandidate candidate{"ground_drag", "", false, {drag}};
+    DiagnoseStudy study;
+    study.verdict = Verdict::Named;
+    AnswerFit& fit = study.answers.emplace_back();
+    fit.effects.push_back({&candidate, drag, {}, 2.0, {1.5, 2.5}, 15.8});
+    fit.campaign.blocks.resize(1);
+    fit.campaign.blocks[0].mass = 500.0;
+    fit.campaign.blocks[0].largest_speed = 22.7;
+    EXPECT_THAT(diagnose_remarks(study), Contains(HasSubstr("95 % of them slower than 15.8 m/s on loose")));
+}
+
 TEST(DiagnoseWords, WhereTheThirdDimensionIsNearest3DSaysMore) {
     DiagnoseStudy study = unknown({0.9, 0.05}, 0.005);
     study.in_plane = true;

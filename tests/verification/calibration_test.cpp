@@ -120,7 +120,7 @@ TEST(CalibrationRecovers, SaysThatAParameterWithoutInfluenceIsNotIdentified) {
         const CalibrationResult r = calibrate(problem, settings_of(2000 + test), Slope(test), journal, nullptr);
         not_identified += r.parameters[2].identified == Identification::Not;
         EXPECT_EQ(r.parameters[0].identified, Identification::Well) << test;
-        EXPECT_GT(std::abs(r.directions.back().weights[2]), 0.9) << test;  // known worst
+        EXPECT_GT(std::abs(r.directions.back().weights[2]), std::sqrt(0.5)) << test;  // known worst
     }
     EXPECT_GE(not_identified, 9);
 }

@@ -36,6 +36,7 @@ struct ScreenCrossing {
     Vec3 position = Vec3::Zero();  ///< of the centre of mass [m]
     Vec3 velocity = Vec3::Zero();  ///< [m/s]
     double spin = 0.0;             ///< [rad/s]
+    double mass = 0.0;             ///< of the block, or of what is left of it [kg]
     double energy = 0.0;           ///< kinetic, translation and rotation [J]
     double height = 0.0;           ///< of the centre of mass above the terrain, vertically [m]
     double measured_speed =
@@ -49,6 +50,7 @@ struct FilmedImpact {
     std::int32_t number = 0;  ///< of the block's, from 0
     struct End {
         double time = 0.0;             ///< since release [s]
+        double mass = 0.0;             ///< of the block, or of what is left of it [kg]
         Vec3 position = Vec3::Zero();  ///< of the centre of mass [m]
         Vec3 velocity = Vec3::Zero();  ///< [m/s]
         double spin = 0.0;             ///< [rad/s]
