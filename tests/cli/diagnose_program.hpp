@@ -25,15 +25,17 @@ inline std::filesystem::path quarry_field_test(const std::filesystem::path& fold
     return folder;
 }
 
-/// The same with an effect that the model lacks: FOLDER/site.toml, thrown in FOLDER/field.
-inline void quarry_field_test_with(const TempDir& folder, const std::string& effect, int blocks, int dimension = 2) {
+/// The same with an effect that the model lacks: FOLDER/site.toml, thrown in FOLDER/field. With so few blocks not every test is told right: where a verdict is
+/// the matter, most of some six seeds led to it.
+inline void quarry_field_test_with(const TempDir& folder, const std::string& effect, int blocks, int dimension = 2,
+                                   int seed = 5) {
     std::string text = text_of(quarry_a() / "site.toml");
     text = std::regex_replace(text, std::regex("\"data/"), "\"" + (quarry_a() / "data").string() + "/");
     put(folder / "site.toml", text + "\n[[effect]]\n" + effect);
     const Outcome field =
         scree_program({"run", (folder / "site.toml").string(), "--output", (folder / "field").string(), "--set",
                        "model.dimension=" + std::to_string(dimension), "--set",
-                       "release.count=" + std::to_string(blocks), "--seed", "5"});
+                       "release.count=" + std::to_string(blocks), "--seed", std::to_string(seed)});
     ASSERT_EQ(field.code, 0) << field.err;
 }
 

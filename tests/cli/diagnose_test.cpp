@@ -210,7 +210,7 @@ TEST(Diagnose, RestartsLeaveBehindWhatIsWrongAbove) {
 
 TEST(Diagnose, AForceSaysWhatAnEffectWithoutANameDoes) {
     const TempDir folder;
-    quarry_field_test_with(folder, "kind = \"rolling_speed\"\nspeed = 2.0\n", 20);
+    quarry_field_test_with(folder, "kind = \"rolling_speed\"\nspeed = 2.0\n", 20, 2, 7);
     const fs::path out = folder / "out";
     const std::vector<std::string> more{"--observed", (folder / "field").string(), "--set", nothing_but({})};
     const Outcome run = diagnose(out, more);
@@ -298,7 +298,7 @@ TEST(Diagnose, WhatAProfileLeavesOutHasAName) {
 // Stops alone do not say whether blocks are slowed by their speed or in a place.
 TEST(Diagnose, AGroupIsToldWithWhatWouldTellItsMembersApart) {
     const TempDir folder;
-    quarry_field_test_with(folder, "kind = \"rolling_speed\"\nspeed = 3.0\n", 16);
+    quarry_field_test_with(folder, "kind = \"rolling_speed\"\nspeed = 3.0\n", 16, 2, 7);
     const fs::path out = folder / "out",
                    stops = with_speeds(folder / "field", folder / "obs", 1.0) / "stopping_points.csv";
     const Outcome run = diagnose(out,
@@ -417,8 +417,8 @@ TEST(Diagnose, WhatActsInAPlaceIsALayerOfItsOwn) {
 
 TEST(Diagnose, TwoEffectsAreBothNamed) {
     const TempDir folder;
-    quarry_field_test_with(folder, "kind = \"rolling_size\"\nexponent = -2.0\n", 16);
-    const fs::path out = folder / "out", observed = with_speeds(folder / "field", folder / "obs", 1.4);
+    quarry_field_test_with(folder, "kind = \"rolling_size\"\nexponent = -1.5\n", 24);
+    const fs::path out = folder / "out", observed = with_speeds(folder / "field", folder / "obs", 1.3);
     const Outcome run = diagnose(out,
                                  {"--observed", observed.string(), "--set", "diagnosis.wide_search=20", "--set",
                                   nothing_but({"rolling_size", "speed_error"})},
@@ -432,7 +432,7 @@ TEST(Diagnose, TwoEffectsAreBothNamed) {
         EXPECT_THAT(run.out, HasSubstr(answer.at("effect").get<std::string>()));
         EXPECT_LT(answer.at("held_out_loss"), j.at("baseline").at("held_out_loss"));
         if (answer.at("effect") == "speed_error") {
-            EXPECT_NEAR(answer.at("value").get<double>(), 0.4, 0.2);
+            EXPECT_NEAR(answer.at("value").get<double>(), 0.3, 0.15);
         } else {
             EXPECT_EQ(answer.at("effect"), "rolling_size");
         }
