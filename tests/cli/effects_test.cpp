@@ -18,6 +18,7 @@
 #include <cmath>
 #include <filesystem>
 #include <fstream>
+#include <set>
 #include <sstream>
 
 namespace scree::test {
@@ -269,6 +270,24 @@ TEST(Fragmentation, EndsWithPiecesOfFiveCentimetres) {
     ASSERT_EQ(run.code, 0) << run.err;
     for (const PointRow& row : read_points(folder / "out/results.gpkg", "stopping_points"))
         EXPECT_GE(row.number("l1_m") * std::cbrt(row.number("mass_left_kg") / row.number("mass_kg")), 0.05);
+}
+
+// Mass, speed and energy of a row are those of one piece: a barrier is dimensioned with any two of them.
+TEST(Fragmentation, AtAScreenTheMassIsThatOfThePiece) {
+    const TempDir folder;
+    const std::string site = quarry_with(folder.path(), "[[effect]]\nkind = \"fragmentation\"\n");
+    const Outcome run = scree_program({"run", site, "--set", "release.count=10", "--set", "model.dimension=2"});
+    ASSERT_EQ(run.code, 0) << run.err;
+    std::set<double> masses;
+    for (const PointRow& row : read_points(folder / "out/results.gpkg", "screen_crossings")) {
+        const double translation = 0.5e-3 * row.number("mass_kg") * row.number("speed_ms") * row.number("speed_ms");
+        EXPECT_GE(row.number("energy_kj"), (1.0 - 1e-9) * translation);
+        EXPECT_LE(row.number("energy_kj"), 1.6 * translation);
+        masses.insert(row.number("mass_kg"));
+    }
+    for (const PointRow& row : read_points(folder / "out/results.gpkg", "stopping_points"))
+        masses.erase(row.number("mass_kg"));
+    EXPECT_FALSE(masses.empty()) << "none had broken";
 }
 
 TEST(Effects, ANetStandsInOnePlace) {
