@@ -129,9 +129,8 @@ void add_release_area(const SiteFile& site, SiteModel& model) {
         throw InputError(model.release.report.file + ": " + e.what() + " (the terrain is " +
                          model.terrain.data.dtm.file + ")");  // the core knows no files
     }
-    if (model.area->inside_share() < 0.999) {
-        const int percent = static_cast<int>(std::lround(100.0 * (1.0 - model.area->inside_share())));
-        model.warnings.push_back(s.release.file + ": about " + std::to_string(percent) +
+    if (const double off = 1.0 - model.area->inside_share(); off > 0.001) {
+        model.warnings.push_back(s.release.file + ": about " + short_number(100.0 * off) +
                                  " % of the release features lie off the terrain; blocks start on the rest only");
     }
     model.campaign.surface = model.terrain.surface.get();

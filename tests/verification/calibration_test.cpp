@@ -119,6 +119,8 @@ TEST(CalibrationRecovers, SaysThatAParameterWithoutInfluenceIsNotIdentified) {
         CalibrationJournal journal;
         const CalibrationResult r = calibrate(problem, settings_of(2000 + test), Slope(test), journal, nullptr);
         not_identified += r.parameters[2].identified == Identification::Not;
+        EXPECT_NE(r.parameters[2].identified, Identification::Well) << test;
+        EXPECT_GT(r.directions.back().deviation, 0.15) << test;  // even over the range it would be 0.29
         EXPECT_EQ(r.parameters[0].identified, Identification::Well) << test;
         EXPECT_GT(std::abs(r.directions.back().weights[2]), std::sqrt(0.5)) << test;  // known worst
     }
