@@ -473,7 +473,7 @@ std::vector<std::string> diagnose_remarks(const DiagnoseStudy& study) {
         for (const AnswerFit& a : study.answers)
             for (const AnsweredEffect& e : a.effects)
                 remarks.push_back(e.candidate->name + " would show in " + e.variant.seen_in());
-    if (study.in_plane && !study.planning && !study.diagnosis.residuals.empty()) {
+    if (study.in_plane && !study.planning && !study.diagnosis.findings.empty()) {
         const std::string sideways = sideways_remark(study);
         if (!sideways.empty()) remarks.push_back(sideways);
     }

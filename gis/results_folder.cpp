@@ -172,7 +172,7 @@ void require_free_results_folder(const fs::path& folder, bool overwrite) {
 
 void require_inputs_elsewhere(const fs::path& folder, const std::vector<InputFile>& inputs) {
     std::error_code ignored;
-    const fs::path target = fs::weakly_canonical(fs::absolute(folder), ignored);
+    const fs::path target = resolved(folder);
     for (const InputFile& input : inputs) {
         const fs::path inside = fs::weakly_canonical(fs::absolute(input.path), ignored).lexically_relative(target);
         if (!inside.empty() && inside.begin()->string() != "..")
