@@ -6,6 +6,7 @@
 #include "cli/program.hpp"
 #include "cli/results.hpp"
 #include "cli/site_file.hpp"
+#include "scree/base/error.hpp"
 #include "support/paths.hpp"
 
 #include <gmock/gmock.h>
