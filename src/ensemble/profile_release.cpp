@@ -15,9 +15,6 @@ namespace scree {
 
 namespace {
 
-/// Least distance between a released block and the ground [m].
-constexpr double kReleaseGap = 1e-3;
-
 std::vector<Vec2> plan_of(const Polyline& line) {
     std::vector<Vec2> plan;
     for (const Vec3& p : line.points) plan.emplace_back(p.head<2>());

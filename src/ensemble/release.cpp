@@ -18,8 +18,6 @@ namespace {
 constexpr int kTrials = 200;
 /// Draws before a block that always lands off the terrain is given up; the estimate above has then already refused such areas.
 constexpr int kMostDraws = 100000;
-/// Least distance between a released block and the ground [m].
-constexpr double kReleaseGap = 1e-3;
 
 double plan_length(const Polyline& line) {
     double length = 0.0;

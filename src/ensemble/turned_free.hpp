@@ -5,6 +5,9 @@
 
 namespace scree {
 
+/// Least distance between a released block and the ground [m].
+inline constexpr double kReleaseGap = 1e-3;
+
 /// The first of kDepartures turns in which a block needs no lift, or the one that needs least; raised by that.
 template <int Dim, class Turn, class Lift>
 BlockState<Dim> turned_free(BlockState<Dim> state, Turn turn, Lift lift_of, double& raised) {
