@@ -13,7 +13,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <limits>
 #include <type_traits>
 #include <utility>
 #include <vector>
@@ -551,36 +550,6 @@ ContactSolverReport solve_contacts(const ContactProblem<Dim>& problem, const Con
 }
 
 template <int Dim>
-Eigen::Matrix<double, kLocalSize<Dim>, 1> project_on_cone(const Eigen::Matrix<double, kLocalSize<Dim>, 1>& p, double mu,
-                                                          double mu_r) {
-    constexpr int T = Dim - 1;
-    // min over x >= 0 of (x - p_N)^2 + (|p_T| - mu x)+^2 + (|p_R| - mu_r x)+^2: its derivative is increasing and piecewise linear
-    const double t = p.template segment<T>(1).norm(), m = p.template segment<T>(1 + T).norm();
-    using Local = Eigen::Matrix<double, kLocalSize<Dim>, 1>;
-    if (p[0] + mu * t + mu_r * m <= 0.0) return Local::Zero();
-    // each branch's minimum is a candidate, the true objective decides: no branch test that rounding could make fail
-    double x = 0.0, least = std::numeric_limits<double>::infinity();
-    for (const bool slides : {true, false}) {
-        for (const bool rolls : {true, false}) {
-            const double candidate = std::max(0.0, (p[0] + (slides ? mu * t : 0.0) + (rolls ? mu_r * m : 0.0)) /
-                                                       (1.0 + (slides ? mu * mu : 0.0) + (rolls ? mu_r * mu_r : 0.0)));
-            const double dn = candidate - p[0], dt = std::max(t - mu * candidate, 0.0),
-                         dm = std::max(m - mu_r * candidate, 0.0);
-            const double objective = dn * dn + dt * dt + dm * dm;
-            if (objective < least) {
-                least = objective;
-                x = candidate;
-            }
-        }
-    }
-    Local result = p;
-    result[0] = x;
-    if (t > mu * x) result.template segment<T>(1) *= mu * x / t;
-    if (m > mu_r * x) result.template segment<T>(1 + T) *= mu_r * x / m;
-    return result;
-}
-
-template <int Dim>
 double natural_map_residual(const ContactProblem<Dim>& problem, const Eigen::VectorXd& impulse) {
     constexpr std::size_t T = Dim - 1, L = kLocalSize<Dim>;
     const Scaled<Dim, 0> s(problem);
@@ -601,8 +570,6 @@ template ContactSolverReport solve_contacts<2>(const ContactProblem<2>&, const C
                                                Eigen::VectorXd&);
 template ContactSolverReport solve_contacts<3>(const ContactProblem<3>&, const ContactSolverSettings&,
                                                Eigen::VectorXd&);
-template Eigen::Matrix<double, 3, 1> project_on_cone<2>(const Eigen::Matrix<double, 3, 1>&, double, double);
-template Eigen::Matrix<double, 5, 1> project_on_cone<3>(const Eigen::Matrix<double, 5, 1>&, double, double);
 template double natural_map_residual<2>(const ContactProblem<2>&, const Eigen::VectorXd&);
 template double natural_map_residual<3>(const ContactProblem<3>&, const Eigen::VectorXd&);
 
