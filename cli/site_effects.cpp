@@ -2,10 +2,10 @@
 // [[effect]] of the site file to effects with their places in the terrain's frame.
 #include "cli/own_law.hpp"
 #include "cli/site_terrain.hpp"
+#include "gis/words.hpp"
 #include "scree/base/error.hpp"
 
 #include <algorithm>
-#include <cctype>
 #include <cmath>
 #include <sstream>
 
@@ -42,9 +42,7 @@ void warn_of_fields(const FeatureLayer& layer, const Effect& effect, const std::
     const EffectInfo& info = effect_info(effect.kind);
     for (const Field& field : layer.fields)
         for (const EffectParameter& p : info.parameters) {
-            std::string name = field.name;
-            std::transform(name.begin(), name.end(), name.begin(),
-                           [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+            const std::string name = gis::lower_case(field.name);
             if (name != p.key && !name.starts_with(std::string(p.key) + "_")) continue;
             std::ostringstream text;
             text << "effect " << info.name << ": the field " << field.name << " of " << file

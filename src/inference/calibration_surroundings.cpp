@@ -202,34 +202,34 @@ std::vector<ParameterEstimate> estimates_of(const MinimumSpread& spread,
     return estimates;
 }
 
+/// Moves those above 0 up until kHigh of all lie below `end`; what lies on `side` may be anywhere from there to the end.
+static void fill_up_to(double end, double side, std::vector<double>& draws) {
+    std::vector<double*> on_side;
+    for (double& u : draws)
+        if (u > side - kOnSide) on_side.push_back(&u);
+    for (std::size_t k = 0; end > side && k < on_side.size(); ++k)
+        *on_side[k] = side + (end - side) * (static_cast<double>(k) + 0.5) / static_cast<double>(on_side.size());
+    std::vector<double> sorted = draws;
+    std::sort(sorted.begin(), sorted.end());
+    const double known = sample_quantile(sorted, kHigh);
+    if (!(known > 0.0 && end > known)) return;
+    for (double& u : draws)
+        if (u > 0.0) u = std::min(end / known * u, std::max(u, end));
+}
+
 void widen(MinimumSpread& spread, const std::vector<CalibrationParameter>& parameters,
            const std::vector<ParameterEstimate>& estimates) {
     for (std::size_t i = 0; i < parameters.size(); ++i) {
         const auto column = static_cast<Eigen::Index>(i);
         const double best = spread.best[column];
-        // once upwards, once downwards, as if that were up
-        for (const double sign : {1.0, -1.0}) {
-            const double end =
-                sign *
-                (unit_of(parameters[i], sign > 0.0 ? estimates[i].interval.high : estimates[i].interval.low) - best);
-            const double side = sign * ((sign > 0.0 ? spread.high : spread.low)[column] - best);
-            std::vector<double> up;
-            std::vector<Eigen::Index> on_side;
-            for (Eigen::Index d = 0; d < spread.draws.rows(); ++d) {
-                up.push_back(sign * (spread.draws(d, column) - best));
-                if (up.back() > side - kOnSide) on_side.push_back(d);
-            }
-            for (std::size_t k = 0; end > side && k < on_side.size(); ++k)
-                up[static_cast<std::size_t>(on_side[k])] =
-                    side + (end - side) * (static_cast<double>(k) + 0.5) / static_cast<double>(on_side.size());
-            std::vector<double> sorted = up;
-            std::sort(sorted.begin(), sorted.end());
-            const double known = sample_quantile(sorted, kHigh);
-            const double stretch = known > 0.0 ? std::max(end / known, 1.0) : 1.0;
-            for (Eigen::Index d = 0; d < spread.draws.rows(); ++d)
-                if (const double u = up[static_cast<std::size_t>(d)]; u > 0.0)
-                    spread.draws(d, column) = best + sign * std::min(stretch * u, std::max(u, end));
-        }
+        const Interval& known = estimates[i].interval;
+        std::vector<double> up;
+        for (const double u : spread.draws.col(column)) up.push_back(u - best);
+        fill_up_to(unit_of(parameters[i], known.high) - best, spread.high[column] - best, up);
+        for (double& u : up) u = -u;
+        fill_up_to(best - unit_of(parameters[i], known.low), best - spread.low[column], up);
+        for (Eigen::Index d = 0; d < spread.draws.rows(); ++d)
+            spread.draws(d, column) = best - up[static_cast<std::size_t>(d)];
     }
 }
 
