@@ -2,6 +2,7 @@
 // [[effect]] of the site file to effects with their places in the terrain's frame.
 #include "cli/own_law.hpp"
 #include "cli/site_terrain.hpp"
+#include "gis/utf8.hpp"
 #include "gis/words.hpp"
 #include "scree/base/error.hpp"
 
