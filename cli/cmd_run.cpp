@@ -12,6 +12,7 @@
 #include "scree/inference/distance.hpp"
 
 #include <algorithm>
+#include <array>
 #include <ostream>
 #include <sstream>
 
@@ -46,6 +47,34 @@ void print_profiles(std::ostream& out, const SiteModel& model, const CampaignRes
     }
     if (lines.size() > kMostProfiles)
         out << "               ... " << lines.size() - kMostProfiles << " more are in the layer profiles\n";
+}
+
+/// What makes profiles longer at the ends that blocks have passed in 2D: one clause for each kind of end.
+struct EndsPassed {
+    std::int64_t upper = 0;  ///< blocks
+    std::string remedies;
+};
+
+EndsPassed ends_passed(const SiteModel& model, const CampaignResult& r) {
+    constexpr std::array<const char*, kProfileEndNames.size()> kRemedies{
+        "raise profile.run_up",          "raise profile.longest_crossing", "enlarge the DTM",
+        "fill the holes of the DTM",     "raise profile.longest",          "draw the line longer",
+        "let profile.converging be keep"};
+    EndsPassed ends;
+    std::array<std::int64_t, kProfileEndNames.size()> lower{};
+    for (const BlockResult& b : r.blocks) {
+        if (!b.done || b.reason != StopReason::LeftTerrain) continue;
+        const ProfileTrace& trace = model.profiles->traces[static_cast<std::size_t>(b.profile)];
+        ++(b.stop_s < 0.5 * trace.profile.length() ? ends.upper : lower[static_cast<std::size_t>(trace.end)]);
+    }
+    const auto add = [&](std::int64_t count, const std::string& where, const std::string& remedy) {
+        if (count == 0) return;
+        ends.remedies += (ends.remedies.empty() ? "" : "; ") + std::to_string(count) + " at " + where + ": " + remedy;
+    };
+    add(ends.upper, "an upper end", "raise profile.head, or draw the line from farther up");
+    for (std::size_t k = 0; k < lower.size(); ++k)
+        add(lower[k], std::string("a lower end (") + kProfileEndNames[k] + ")", kRemedies[k]);
+    return ends;
 }
 
 void print_summary(std::ostream& out, const SiteModel& model, const CampaignResult& r, const fs::path& folder) {
@@ -144,15 +173,19 @@ ExitCode run_run(const Context& context) {
         *context.err << "warning: in a step of moreau_jean the energy of a block rose by " << short_number(rise)
                      << " m of fall: Newton's law of restitution with friction allows that where e is large; take "
                         "model.mode = \"event\"\n";
-    const auto warn_of = [&](StopReason reason, const char* what, const char* remedy) {
+    const auto warn_of = [&](StopReason reason, bool always, const char* what, const std::string& remedy) {
         constexpr double kMany = 0.05;  // of the blocks
         const std::int64_t count = result.reasons[static_cast<std::size_t>(reason)];
-        if (static_cast<double>(count) > kMany * static_cast<double>(result.released))
+        if (always || static_cast<double>(count) > kMany * static_cast<double>(result.released))
             *context.err << "warning: " << count << " of " << result.released << " blocks " << what
                          << ": how far they run and what they would pass is unknown; " << remedy << "\n";
     };
-    warn_of(StopReason::LeftTerrain, "left the terrain", "enlarge the DTM, or fill its holes");
-    warn_of(StopReason::TimeLimit, "were still moving at the time limit", "raise model.time_limit");
+    if (model.in_plane()) {
+        const EndsPassed ends = ends_passed(model, result);  // no block runs off the head of a slope that has one
+        warn_of(StopReason::LeftTerrain, ends.upper > 0, "passed an end of their profile", ends.remedies);
+    } else
+        warn_of(StopReason::LeftTerrain, false, "left the terrain", "enlarge the DTM, or fill its holes");
+    warn_of(StopReason::TimeLimit, false, "were still moving at the time limit", "raise model.time_limit");
     if (!result.interrupted) return ExitCode::Done;
     *context.err << "interrupted: " << result.released << " of " << model.campaign.release.count
                  << " blocks were thrown and are written; the results say so\n";

@@ -211,8 +211,9 @@ void add_profile(std::vector<Setting<SiteSettings>>& keys) {
                                   "if that gets steep again, or ends: pit."));
     keys.push_back(profile.number("run_up", "m", {0, 1e4}, AT(profile.run_up),
                                   "Ground behind a pit in which a line ends, straight on, for blocks to run up."));
-    keys.push_back(profile.number("head", "m", {0, 1e3}, AT(profile.head),
-                                  "Ground above the starting point, and above the release polygon around it."));
+    keys.push_back(
+        profile.number("head", "m", {0, 1e3}, AT(profile.head),
+                       "Ground above the starting point, and above all release polygons that lie up there."));
     keys.push_back(profile.number("longest", "m", {1, 1e6}, AT(profile.longest),
                                   "A line longer than this from its starting point ends: length_limit."));
     keys.push_back(

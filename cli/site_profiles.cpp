@@ -3,8 +3,11 @@
 
 #include "scree/base/error.hpp"
 #include "scree/base/units.hpp"
+#include "scree/geometry/region.hpp"
 
+#include <array>
 #include <cmath>
+#include <span>
 #include <utility>
 
 namespace scree::cli {
@@ -26,8 +29,19 @@ void require_few(std::size_t count, const std::string& file, const std::string& 
                          " are possible: choose a larger profile.spacing, or fewer features");
 }
 
+/// Where blocks start, of the release layer and of that in which profiles start.
+Region areas_of(std::span<const FeatureLayer* const> layers) {
+    MultiPolygon all;
+    for (const FeatureLayer* layer : layers)
+        for (const Feature& feature : layer->features)
+            if (const auto* polygons = std::get_if<MultiPolygon>(&feature.geometry))
+                all.insert(all.end(), polygons->begin(), polygons->end());
+    return Region(all);
+}
+
 /// Lines from points, lines and polygons.
-void trace_from_starts(const SiteSettings& s, const SiteTerrain& terrain, ProfileTracer& tracer, SiteProfiles& out) {
+void trace_from_starts(const SiteSettings& s, const SiteTerrain& terrain, const Region& releases, ProfileTracer& tracer,
+                       SiteProfiles& out) {
     const FeatureLayer& layer = out.features.layer;
     const std::vector<ProfileStart> starts = profile_starts(layer, s.profile_spacing);
     require_few(starts.size(), out.source, "starting points");
@@ -37,9 +51,7 @@ void trace_from_starts(const SiteSettings& s, const SiteTerrain& terrain, Profil
             ++outside;
             continue;
         }
-        const auto* polygons = std::get_if<MultiPolygon>(&layer.features[start.feature].geometry);
-        const Region area = polygons ? Region(*polygons) : Region();
-        ProfileTrace trace = tracer.steepest(start.at, polygons ? &area : nullptr);
+        ProfileTrace trace = tracer.steepest(start.at, &releases);
         if (trace.profile.empty())
             ++level;
         else
@@ -73,7 +85,8 @@ void require_downhill(const Profile& drawn, const std::string& which, std::vecto
 }
 
 /// Lines along guides.
-void trace_guides(const SiteSettings& s, const SiteTerrain& terrain, ProfileTracer& tracer, SiteProfiles& out) {
+void trace_guides(const SiteSettings& s, const SiteTerrain& terrain, const Region& releases, ProfileTracer& tracer,
+                  SiteProfiles& out) {
     std::size_t count = 0;
     for (const Feature& feature : out.features.layer.features) {
         const auto* lines = std::get_if<Polylines>(&feature.geometry);
@@ -86,7 +99,8 @@ void trace_guides(const SiteSettings& s, const SiteTerrain& terrain, ProfileTrac
             if (plan.empty() || terrain.surface->facet_at(plan.front()) < 0)
                 throw InputError(which +
                                  ": the line begins off the terrain or over a hole of it; let it begin on the terrain");
-            ProfileTrace trace = s.profile_mode == ProfileMode::Guided ? tracer.guided(plan) : tracer.along(plan);
+            ProfileTrace trace =
+                s.profile_mode == ProfileMode::Guided ? tracer.guided(plan, &releases) : tracer.along(plan);
             if (trace.profile.empty())
                 throw InputError(which +
                                  ": no profile can be led along this line: it has no length, or the ground is level "
@@ -136,10 +150,15 @@ SiteProfiles trace_site_profiles(const SiteFile& site, const SiteTerrain& terrai
                                   std::string(kProfileModeNames[static_cast<std::size_t>(s.profile_mode)]) +
                                   "\": its lines begin where they were drawn");
     ProfileTracer tracer(terrain.without_berms ? *terrain.without_berms : *terrain.surface, profile_settings(s));
+    const FeatureLayer release =
+        read_site_layer(site, s.release, "release",
+                        {GeometryKind::Polygon, GeometryKind::LineString, GeometryKind::Point}, terrain)
+            .layer;
+    const Region releases = areas_of(std::array{&release, &std::as_const(out.features.layer)});
     if (free)
-        trace_from_starts(s, terrain, tracer, out);
+        trace_from_starts(s, terrain, releases, tracer, out);
     else
-        trace_guides(s, terrain, tracer, out);
+        trace_guides(s, terrain, releases, tracer, out);
     if (terrain.without_berms) raise_profiles(s, *terrain.surface, out.traces);
     out.left_out = find_junctions(out.traces, s.profile_merge_distance, s.profile_converging);
     return out;

@@ -62,8 +62,8 @@ public:
           settings_(settings),
           steep_(std::tan(settings.gentle_slope)) {}
 
-    ProfileTrace steepest(const Vec2& start, const Region* area);
-    ProfileTrace guided(std::span<const Vec2> guide);
+    ProfileTrace steepest(const Vec2& start, const Region* releases);
+    ProfileTrace guided(std::span<const Vec2> guide, const Region* releases);
     ProfileTrace along(std::span<const Vec2> line);
 
 private:
@@ -74,7 +74,7 @@ private:
     void keep(const Leg& leg);
     void leave_guide(bool arrived = false);
     Vec2 heading() const;
-    std::vector<LinePoint> head(const Region* area);
+    std::vector<LinePoint> head(const Region* releases);
     ProfileTrace finish(const std::vector<LinePoint>& head) const;
 
     // --- legs ---
@@ -315,31 +315,39 @@ void ProfileTracer::Implementation::descend() {
 }
 
 /// Rule 5: ground behind the starting point, from there upwards.
-std::vector<LinePoint> ProfileTracer::Implementation::head(const Region* area) {
+std::vector<LinePoint> ProfileTracer::Implementation::head(const Region* releases) {
     if (points_.size() < 2) return {};
     const Vec2 start = points_.front().at;
     Leg leg;
     find_spot(walk_.surface(), start, leg.spot);
-    while (area && area->contains(leg.spot.at) && leg.length < settings_.longest) {
-        const Descent ascent = steepest_descent(walk_, levels_, leg.spot, -1.0);
-        if (ascent.state != Descent::State::Goes || ascent.rate < steep_) break;
-        leg.go(ascent.to, walk_.height(ascent.to), ascent.soil, Course::Steepest);
+    const double step = 0.1 * std::max(settings_.head, 1.0);  // areas are left to within this [m]
+    const auto released = [&](const Vec2& p) { return releases && releases->contains(p); };
+    for (;;) {
+        while (released(leg.spot.at) && leg.length < settings_.longest) {
+            const Descent ascent = steepest_descent(walk_, levels_, leg.spot, -1.0);
+            if (ascent.state != Descent::State::Goes || ascent.rate < steep_) break;
+            leg.go(ascent.to, walk_.height(ascent.to), ascent.soil, Course::Steepest);
+        }
+        // straight on: away from where the line goes first, over the length that the head has, or will have
+        Vec2 below = start;
+        double length = 0.0;
+        for (std::size_t k = 1; k < points_.size() && length < std::max(leg.length, settings_.head); ++k) {
+            below = points_[k].at;
+            length += (points_[k].at - points_[k - 1].at).norm();
+        }
+        const std::optional<Vec2> direction = direction_between(below, leg.spot.at);
+        if (!direction) return leg.points;
+        double left = 0.0;
+        while (left < settings_.longest_crossing && released(leg.spot.at + left * *direction)) left += step;
+        double next = left;  // to another area, or to the other side of a hole
+        while (next < left + settings_.head && !released(leg.spot.at + next * *direction)) next += step;
+        const bool ends = next >= left + settings_.head || leg.length >= settings_.longest;
+        const Leg more = straight(leg.spot, *direction, {ends ? left + settings_.head : next, kInfinity, false});
+        leg.points.insert(leg.points.end(), more.points.begin(), more.points.end());
+        leg.length += more.length;
+        leg.spot = more.spot;
+        if (ends || more.end == Leg::End::Edge) return leg.points;
     }
-    // straight on: away from where the line goes first, over the length that the head has, or will have
-    Vec2 below = start;
-    double length = 0.0;
-    for (std::size_t k = 1; k < points_.size() && length < std::max(leg.length, settings_.head); ++k) {
-        below = points_[k].at;
-        length += (points_[k].at - points_[k - 1].at).norm();
-    }
-    const std::optional<Vec2> direction = direction_between(below, leg.spot.at);
-    if (!direction) return leg.points;
-    const double step = 0.1 * std::max(settings_.head, 1.0);  // the area is left to within this [m]
-    double left = 0.0;
-    while (area && left < settings_.longest_crossing && area->contains(leg.spot.at + left * *direction)) left += step;
-    const Leg more = straight(leg.spot, *direction, {left + settings_.head, kInfinity, false});
-    leg.points.insert(leg.points.end(), more.points.begin(), more.points.end());
-    return leg.points;
 }
 
 /// The line with the terrain's heights.
@@ -384,19 +392,19 @@ ProfileTrace ProfileTracer::Implementation::finish(const std::vector<LinePoint>&
     return trace;
 }
 
-ProfileTrace ProfileTracer::Implementation::steepest(const Vec2& start, const Region* area) {
+ProfileTrace ProfileTracer::Implementation::steepest(const Vec2& start, const Region* releases) {
     begin(start);
     descend();
-    return finish(head(area));
+    return finish(head(releases));
 }
 
-ProfileTrace ProfileTracer::Implementation::guided(std::span<const Vec2> guide) {
+ProfileTrace ProfileTracer::Implementation::guided(std::span<const Vec2> guide, const Region* releases) {
     SCREE_ASSERT(!guide.empty());
     begin(guide.front());
     guide_ = plan_line(guide);
     if (!guide_.empty()) levels_.set_guide(&guide_, settings_.guide_width);
     descend();
-    return finish(head(nullptr));
+    return finish(head(releases));
 }
 
 ProfileTrace ProfileTracer::Implementation::along(std::span<const Vec2> line) {
@@ -416,11 +424,11 @@ ProfileTrace ProfileTracer::Implementation::along(std::span<const Vec2> line) {
 ProfileTracer::ProfileTracer(const Surface& surface, const ProfileSettings& settings)
     : implementation_(std::make_unique<Implementation>(surface, settings)) {}
 ProfileTracer::~ProfileTracer() = default;
-ProfileTrace ProfileTracer::steepest(const Vec2& start, const Region* area) {
-    return implementation_->steepest(start, area);
+ProfileTrace ProfileTracer::steepest(const Vec2& start, const Region* releases) {
+    return implementation_->steepest(start, releases);
 }
-ProfileTrace ProfileTracer::guided(std::span<const Vec2> guide) {
-    return implementation_->guided(guide);
+ProfileTrace ProfileTracer::guided(std::span<const Vec2> guide, const Region* releases) {
+    return implementation_->guided(guide, releases);
 }
 ProfileTrace ProfileTracer::along(std::span<const Vec2> line) {
     return implementation_->along(line);

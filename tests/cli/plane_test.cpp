@@ -61,6 +61,33 @@ TEST(Plane, ADepositZoneThatNoProfileMeetsIsEmpty) {
     EXPECT_THAT(run.out, HasSubstr("beside: 0 %"));
 }
 
+// The profile of the lower polygon has its head above the upper one, on whose part of it blocks start, too; and who falls off a profile is told where.
+TEST(Plane, NoBlockFallsOffTheHeadOfAProfile) {
+    const TempDir folder;
+    VectorSpec areas;
+    areas.rows = {{"POLYGON((890019.77 6670043.26,890023.74 6670042.77,890024.23 6670046.74,890020.26 "
+                   "6670047.23,890019.77 6670043.26))",
+                   "upper", 1.0},
+                  {"POLYGON((890027.71 6670042.28,890030.69 6670041.92,890031.18 6670045.89,890028.20 "
+                   "6670046.25,890027.71 6670042.28))",
+                   "lower", 1.0}};
+    write_vector((folder / "two.gpkg").string(), areas);
+    const std::string release = "release.file=" + (folder / "two.gpkg").string();
+    const Outcome run = run_2d(folder / "out", {release, "release.count=200"});
+    ASSERT_EQ(run.code, 0) << run.err;
+    EXPECT_THAT(run.out, HasSubstr(" 0 left_terrain"));
+    VectorSpec line;
+    line.rows = {{"LINESTRING(890028.5 6670044.2,890060 6670041,890120 6670030)", "", 1.0}};
+    write_vector((folder / "line.gpkg").string(), line);
+    const Outcome drawn = run_2d(folder / "drawn", {release, "release.count=200", "profile.mode=line",
+                                                    "profile.guide=" + (folder / "line.gpkg").string()});
+    EXPECT_THAT(drawn.err, HasSubstr(" at an upper end: raise profile.head, or draw the line from farther up"));
+    EXPECT_THAT(
+        run_2d(folder / "short", {"profile.longest=20"}).err,
+        HasSubstr("20 of 20 blocks passed an end of their profile: how far they run and what they would pass is "
+                  "unknown; 20 at a lower end (length_limit): raise profile.longest"));
+}
+
 // What nobody knows of a block is not told in silence.
 TEST(Run, SaysThatManyBlocksLeftOrWereStillMoving) {
     const TempDir folder;

@@ -12,6 +12,7 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cmath>
 #include <functional>
 
@@ -374,6 +375,35 @@ TEST(ProfileTrace, HeadReachesBehindTheReleaseArea) {
     ASSERT_EQ(stretches.size(), 1U);
     EXPECT_NEAR(stretches[0].to - stretches[0].from, 20.0, 1e-5) << "all of the area that lies on the line";
     expect_section(t, *surface);
+}
+
+// The head of a line from the lower area ends behind the upper one, not in it; and behind a ring, not in its hole.
+TEST(ProfileTrace, HeadReachesBehindAllReleaseAreas) {
+    const auto surface = grid_terrain(60, 1.0, [](double x, double) { return -0.7 * x; });
+    const auto strip = [](double from, double to) { return Ring{{from, -10}, {to, -10}, {to, 10}, {from, 10}}; };
+    const MultiPolygon two{{strip(-30, -26), {}}, {strip(-24, -20), {}}};
+    const MultiPolygon ring{{strip(-30, -18), {{{-24, -3}, {-24, 3}, {-26, 3}, {-26, -3}}}}};
+    for (const MultiPolygon& areas : {two, ring})
+        for (const double head : {2.5, 5.0, 9.0}) {
+            const Region releases(areas);
+            ProfileSettings settings;
+            settings.head = head;
+            ProfileTracer tracer(*surface, settings);
+            for (const ProfileTrace& t : {tracer.steepest(Vec2(-22.2, 0.3), &releases),
+                                          tracer.guided(std::array{Vec2(-22.2, 0.3), Vec2(20.0, 0.3)}, &releases)}) {
+                EXPECT_LE(t.profile.place.front().x(), -30.0 - head + 1e-5) << head;
+                EXPECT_GT(t.profile.place.front().x(), -32.0 - head) << head;
+                double released = 0.0;
+                for (const Stretch& s : t.profile.inside(areas)) released += s.length();
+                EXPECT_NEAR(released, areas.size() == 2 ? 8.0 : 10.0, 1e-2) << head;  // a guide pulls aside
+            }
+        }
+    // farther apart than the head is long, they do not matter to each other
+    ProfileSettings settings;
+    settings.head = 1.5;
+    const Region releases(two);
+    ProfileTracer tracer(*surface, settings);
+    EXPECT_GT(tracer.steepest(Vec2(-22.2, 0.3), &releases).profile.place.front().x(), -26.0);
 }
 
 // The line crosses soils: each reach has that of its facet, head included.

@@ -32,8 +32,8 @@ namespace scree {
 ///    a pit the line is led up the counter-slope for `run_up` more, which a block may need. It ends before, at the rim of
 ///    the terrain or at a hole in it (NoData).
 /// Every leg starts lower, on the direction surface, than the one before: a line never closes.
-/// 5. Head. Blocks need ground behind their starting point: the line is led up the slope while it is steep and inside the release area,
-///    then straight on until it has left the area, and for `head` more.
+/// 5. Head. Blocks need ground behind the places where they start: the line is led up the slope while it is steep and inside a release area,
+///    then straight on until it has left the area, and so on where another one (or the other side of a hole) begins within `head`; then for `head` more.
 ///
 /// A guided line follows the steepest line of the direction surface plus the potential d^2 / (2 guide_width), where d [m] is the distance
 /// from the guide, and goes along the guide where the ground is gentle, whatever it climbs; beyond the guide's end it is free.
@@ -47,7 +47,7 @@ struct ProfileSettings {
     double highest_rise =
         1.0;  ///< largest climb on a crossing, on the direction surface: pits deeper than this end the profile [m]
     double run_up = 20.0;     ///< ground behind a pit in which a profile ends [m]
-    double head = 5.0;        ///< ground behind the starting point or area [m]
+    double head = 5.0;        ///< ground behind the starting point and the release areas [m]
     double longest = 5000.0;  ///< from the starting point [m]
     double guide_width =
         10.0;  ///< at this distance a guide pulls as a slope of 45 degrees; larger leaves more freedom [m]
@@ -80,10 +80,10 @@ public:
     ProfileTracer(const ProfileTracer&) = delete;
     ProfileTracer& operator=(const ProfileTracer&) = delete;
 
-    /// Steepest line from a point of the terrain. `area`: the release area that the head must leave, may be null.
-    ProfileTrace steepest(const Vec2& start, const Region* area = nullptr);
-    /// Steepest line along a guide, from the guide's first point, which must lie on the terrain.
-    ProfileTrace guided(std::span<const Vec2> guide);
+    /// Steepest line from a point of the terrain. `releases`: areas in which blocks start, which the head must leave; may be null.
+    ProfileTrace steepest(const Vec2& start, const Region* releases = nullptr);
+    /// Steepest line along a guide, from the guide's first point, which must lie on the terrain; the head as above.
+    ProfileTrace guided(std::span<const Vec2> guide, const Region* releases = nullptr);
     /// The terrain's section along a line, whose first point must lie on the terrain. Ends where the line leaves the terrain.
     ProfileTrace along(std::span<const Vec2> line);
 
