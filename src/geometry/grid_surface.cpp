@@ -39,7 +39,8 @@ public:
         const Vec2 u = (p - node2(0, 0)) / heights_.shape.cell;
         const int i = std::min(static_cast<int>(u.x()), heights_.shape.columns - 2);
         const int j = std::min(static_cast<int>(u.y()), heights_.shape.rows - 2);
-        return facet_or_none(i, j, diagonals_.half_at(i, j, u.x() - i, u.y() - j));
+        const std::int64_t f = facet_or_none(i, j, diagonals_.half_at(i, j, u.x() - i, u.y() - j));
+        return f >= 0 ? f : facet_beside_hole(u);
     }
 
     void gather(const Box2& box, TerrainPatch& patch) const override;
@@ -88,6 +89,8 @@ private:
         for (const auto& [di, dj] : diagonals_.corners(i, j, half)) sum += heights_.at(i + di, j + dj);
         return std::isfinite(sum) ? facet_number(i, j) + half : -1;
     }
+    /// The facet that has a place on its outline, -1 if there is none: nodes and edges at a hole belong to the terrain. `u`: from node (0, 0) [cells].
+    std::int64_t facet_beside_hole(const Vec2& u) const;
     /// The neighbours of a node that edges lead to, counter-clockwise from the east, and the facet counter-clockwise of each (-1 where there is none).
     struct Ring {
         std::array<Node, 8> to;
@@ -105,6 +108,30 @@ private:
     Diagonals diagonals_;
     std::vector<SoilId> soil_;
 };
+
+std::int64_t GridSurface::facet_beside_hole(const Vec2& u) const {
+    constexpr double kSlack = 1e-9;  // [cells]
+    const auto low = [](double x) { return static_cast<int>(std::floor(x - kSlack)); };
+    const auto high = [](double x) { return static_cast<int>(std::floor(x + kSlack)); };
+    for (int j = low(u.y()); j <= high(u.y()); ++j)
+        for (int i = low(u.x()); i <= high(u.x()); ++i)
+            for (const int half : {0, 1}) {
+                const std::int64_t f = facet_or_none(i, j, half);
+                if (f < 0) continue;
+                std::array<Vec2, 3> corner;
+                for (std::size_t k = 0; k < 3; ++k) {
+                    const auto [di, dj] = diagonals_.corners(i, j, half)[k];
+                    corner[k] = Vec2(i + di, j + dj) - u;
+                }
+                bool inside = true;
+                for (std::size_t k = 0; k < 3; ++k) {
+                    const Vec2 &a = corner[k], &b = corner[(k + 1) % 3];
+                    inside = inside && a.x() * b.y() - a.y() * b.x() >= -kSlack;
+                }
+                if (inside) return f;
+            }
+    return -1;
+}
 
 GridSurface::NodeRange GridSurface::nodes_around(const Box2& box) const {
     const GridShape& shape = heights_.shape;

@@ -65,6 +65,25 @@ TEST(Surface, HolesAndTheOutsideHaveNoHeight) {
     EXPECT_TRUE(std::isnan(mesh->height(Vec2(1.1, 1.1))));
 }
 
+// What lies on the outline of a hole, nodes above all, belongs to the facets around: rasters of the terrain and release cells are taken there.
+TEST(Surface, TheOutlineOfAHoleIsTerrain) {
+    for (const DiagonalRule rule : {DiagonalRule::Alike, DiagonalRule::ByRelief}) {
+        Grid<double> heights(GridShape{7, 7, 0.3, {-1.05, -1.05}});
+        for (int j = 0; j < 7; ++j)
+            for (int i = 0; i < 7; ++i) heights.at(i, j) = i == 3 && j == 3 ? kNaN : 0.1 * ((i * 7 + j * 3) % 5);
+        const auto surface = make_grid_surface(heights, std::vector<SoilId>(grid_facet_count(heights.shape)), rule);
+        for (int j = 0; j < 7; ++j)
+            for (int i = 0; i < 7; ++i) {
+                const Vec2 at = heights.shape.centre(i, j);
+                if (i == 3 && j == 3)
+                    EXPECT_EQ(surface->facet_at(at), -1);
+                else
+                    EXPECT_NEAR(surface->height(at), heights.at(i, j), 1e-6) << i << " " << j;
+            }
+        EXPECT_EQ(surface->facet_at(heights.shape.centre(3, 3) + Vec2(0.01, 0.02)), -1);
+    }
+}
+
 // Where the terrain ends its edges are crests with a wall on one side, and its nodes tips with a spoke down the wall.
 TEST(Surface, RimsAreCrestsAndTipsOfAWall) {
     const auto grid = grid_terrain(3.0, 1.0, [](double x, double y) { return x == 1.0 && y == 1.0 ? kNaN : 2.0; });
