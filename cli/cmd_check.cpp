@@ -43,16 +43,20 @@ void print_terrain(std::ostream& out, const SiteTerrain& terrain) {
     const GridShape& g = t.grid.shape;
     const MapPoint low = t.frame.to_map({g.bounds().min.x(), g.bounds().min.y(), 0.0}),
                    high = t.frame.to_map({g.bounds().max.x(), g.bounds().max.y(), 0.0});
+    const auto extent = [](const Vec2& from, const Vec2& to) {
+        return "easting " + fixed(from.x(), 1) + " to " + fixed(to.x(), 1) + ", northing " + fixed(from.y(), 1) +
+               " to " + fixed(to.y(), 1);
+    };
     out << "terrain        " << t.dtm.file << " (" << t.dtm.driver << ", " << t.dtm.data_type << ")\n"
         << "               " << crs_text(t.dtm.crs_name) << "\n"
         << "               cells of " << t.dtm.cell_x << " x " << t.dtm.cell_y << " m, "
         << fixed(std::floor(1000.0 * t.dtm.valid_fraction) / 10.0, 1) << " % valid, heights "
         << fixed(t.dtm.min_height, 1) << " to " << fixed(t.dtm.max_height, 1) << " m\n"
-        << "               easting " << fixed(low.easting, 1) << " to " << fixed(high.easting, 1) << ", northing "
-        << fixed(low.northing, 1) << " to " << fixed(high.northing, 1) << "\n"
+        << "               " << extent(t.dtm.south_west, t.dtm.north_east) << "\n"
         << "model          " << g.columns << " x " << g.rows << " cells of " << g.cell << " m; differs from the DTM by "
         << fixed(t.resampling.rms_difference, 3) << " m (root mean square), " << fixed(t.resampling.max_difference, 2)
         << " m (largest)\n"
+        << "               " << extent({low.easting, low.northing}, {high.easting, high.northing}) << "\n"
         << "               " << terrain.surface_report << "\n";
     double area = 0.0;
     for (const double a : t.soils.area) area += a;

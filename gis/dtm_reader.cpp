@@ -484,6 +484,8 @@ Dtm read_dtm(const std::string& file, const DtmSettings& settings) {
                            "-offset 0 in.tif."));
     const HeightCensus census = read_heights(decoder, place, file, settings, scope, dtm);
     check_heights(census, file, settings);
+    dtm.report.south_west = {place.west, place.north - dtm.rows * place.dy};
+    dtm.report.north_east = {place.west + dtm.columns * place.dx, place.north};
     dtm.report.cell_x = dtm.dx;
     dtm.report.cell_y = dtm.dy;
     dtm.report.valid_fraction = static_cast<double>(census.valid) / static_cast<double>(dtm.heights.size());

@@ -24,6 +24,7 @@ struct DtmReport {
     std::string driver;           ///< GDAL's name of the format
     std::string data_type;        ///< GDAL's name of the pixel type
     std::string crs_name;         ///< with its code where it has one; empty: unknown
+    Vec2 south_west, north_east;  ///< corners of the raster, map frame [m]
     double cell_x = 0.0;          ///< width of a cell, west to east [m]
     double cell_y = 0.0;          ///< height of a cell in plan, south to north [m]
     double valid_fraction = 0.0;  ///< share of the cells that have a height [-]

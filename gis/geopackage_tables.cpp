@@ -151,16 +151,22 @@ void write_provenance(Database& db, const std::string& title, std::span<const Pr
            {now});
 }
 
+/// Smallest and largest values of tiles are optional (OGC 17-066r1, gpkg_2d_gridded_tile_ancillary), and GDAL 3.6 takes those of all rasters of the file for each.
+void forget_tile_statistics(Database& db) {
+    db.run("UPDATE gpkg_2d_gridded_tile_ancillary SET min = NULL, max = NULL, mean = NULL, std_dev = NULL");
+}
+
 }  // namespace
 
 void write_geopackage_tables(const std::filesystem::path& geopackage, const std::string& title,
                              std::span<const VectorLayer> layers, std::span<const WrittenLayer> written,
-                             std::span<const ProvenanceEntry> provenance) {
+                             std::span<const ProvenanceEntry> provenance, std::size_t rasters) {
     Database db(geopackage);
     db.run("BEGIN");
     write_aliases(db, layers);
     write_styles(db, layers, written);
     write_provenance(db, title, provenance);
+    if (rasters > 0) forget_tile_statistics(db);
     db.run("COMMIT");
 }
 

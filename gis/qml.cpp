@@ -94,10 +94,11 @@ SymbolParts line_parts(const VectorStyle& style, const std::string& colour) {
 
 SymbolParts fill_parts(const VectorStyle& style, const std::string& colour) {
     // only the fill is see-through: the outline of a zone must stay readable
+    const bool outline_only = style.opacity == 0.0;
     return {"fill", "SimpleFill",
             option("color", rgba(colour, static_cast<int>(std::lround(255 * style.opacity)))) +
-                option("style", "solid") +
-                option("outline_color", style.colour_by.empty() ? rgba(colour, 255) : "40,40,40,255") +
+                option("style", outline_only ? "no" : "solid") +
+                option("outline_color", style.colour_by.empty() || outline_only ? rgba(colour, 255) : "40,40,40,255") +
                 option("outline_width", number_text(style.size_mm)) + option("outline_width_unit", "MM") +
                 option("outline_style", style.dashed ? "dash" : "solid") + option("joinstyle", "miter"),
             1.0};

@@ -66,7 +66,8 @@ void write_into(ResultsFolder& results, const ResultsPackage& package) {
         append_coverage(geopackage, package.frame, raster);
         rasters.push_back(write_geotiff(results.path() / "rasters" / (raster.name + ".tif"), package.frame, raster));
     }
-    write_geopackage_tables(geopackage, package.title, package.vectors, written, package.provenance);
+    write_geopackage_tables(geopackage, package.title, package.vectors, written, package.provenance,
+                            package.rasters.size());
     write_text(results.path() / "results.qgs",
                qgis_project(package.frame, package.title, package.vectors, written, package.rasters, rasters));
     for (const TextFile& file : package.files) {

@@ -111,7 +111,8 @@ std::vector<VectorStyle> line_styles(const FeatureLayer& layer) {
 }
 
 std::vector<VectorStyle> deposit_zone_styles(const FeatureLayer& layer) {
-    VectorStyle style{.colour = "#21918c", .size_mm = 0.5, .opacity = 0.3};
+    // a fill would change the colours of the rasters below, and what they say
+    VectorStyle style{.colour = "#21918c", .size_mm = 0.8, .opacity = 0.0};
     if (has_field(layer, "percent")) {
         style.name = "By share of the deposits";
         style.colour_by = "percent";
@@ -208,7 +209,7 @@ std::vector<VectorStyle> house_styles(const FeatureLayer& layer) {
     if (name == "screen_crossings") return {{.colour = "#d55e00", .marker = "diamond", .size_mm = 1.4, .opacity = 0.7}};
     if (name == "impacts") return {{.colour = "#882255", .marker = "cross", .size_mm = 1.2, .opacity = 0.7}};
     if (name == "release_points") return {{.colour = "#cc3311", .marker = "triangle", .size_mm = 1.4, .opacity = 0.8}};
-    if (name == "release_zones") return {{.colour = "#cc3311", .size_mm = 0.4, .opacity = 0.2, .dashed = true}};
+    if (name == "release_zones") return {{.colour = "#cc3311", .size_mm = 0.4, .opacity = 0.0, .dashed = true}};
     if (name == "profiles") return {{.colour = "#000000", .size_mm = 0.5, .dashed = true}};
     if (name == "soil_zones") return {{.colour = "#8c6d31", .size_mm = 0.3, .opacity = 0.25}};
     return {VectorStyle{}};

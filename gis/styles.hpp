@@ -44,7 +44,7 @@ struct VectorStyle {
     std::string unit{};             ///< unit behind the classes' limits in the legend
     std::string marker = "circle";  ///< for points
     double size_mm = 2.0;           ///< diameter of points, width of lines and outlines on the map [mm]
-    double opacity = 1.0;           ///< of the fill of polygons, of points and lines [-]
+    double opacity = 1.0;           ///< of the fill of polygons (0: only the outline), of points and lines [-]
     bool dashed = false;            ///< lines and outlines
     std::string label{};            ///< QGIS expression written beside each feature; empty: none
 };

@@ -127,6 +127,16 @@ TEST(Results, DatabaseHoldsStylesAliasesAndProvenance) {
                     "release_points||geom|Default|1", "screens||geom|Default|1",
                     "trajectories||geom|By largest speed|1", "trajectories||geom|Plain|0",
                     "deposit_zones||geom|By share of the deposits|1"));
+    EXPECT_THAT(query(gpkg,
+                      "SELECT count(*) FROM layer_styles WHERE f_table_name = 'deposit_zones' AND styleQML LIKE "
+                      "'%name=\"style\"%value=\"no\"%'"),
+                ElementsAre("1"))
+        << "a fill would change the colours of the rasters below";
+    EXPECT_THAT(query(gpkg,
+                      "SELECT count(*) FROM gpkg_2d_gridded_tile_ancillary WHERE coalesce(min, max, mean, std_dev) "
+                      "IS NOT NULL"),
+                ElementsAre("0"))
+        << "GDAL takes those of all rasters for each";
     EXPECT_THAT(query(gpkg, "SELECT column_name, title FROM gpkg_data_columns WHERE table_name = 'stopping_points'"),
                 ElementsAre("block_id|Block", "mass_kg|Mass [kg]", "stop_reason|Reason of stopping"));
     EXPECT_THAT(query(gpkg, "SELECT key, value FROM run WHERE key <> 'settings' LIMIT 2"),
