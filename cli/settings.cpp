@@ -138,10 +138,10 @@ void add_model(std::vector<Setting<SiteSettings>>& keys) {
     keys.push_back(model.choice("mode", kSteppingModeNames, AT(dynamics.mode),
                                 "event: steps end where a contact closes; use it. moreau_jean: the scheme of Bourrier "
                                 "& Acary 2022, to compare with them, with time_step = 1e-3."));
-    keys.push_back(model.number(
-        "time_step", "s", {1e-6, 0.02}, AT(dynamics.time_step),
-        "Longest step in contact. event: results have converged at 8e-3; shorter gains nothing. moreau_jean: 1e-3 and "
-        "shorter."));
+    keys.push_back(model.number("time_step", "s", {1e-6, 0.02}, AT(dynamics.time_step),
+                                "Longest step in contact. event: results have converged at 8e-3; shorter gains nothing "
+                                "but with a strong drag in contact. moreau_jean: 1e-3 and "
+                                "shorter."));
     keys.push_back(model.number("time_limit", "s", {0.1, 1e5}, AT(dynamics.time_limit),
                                 "A block still moving then ends as time_limit."));
     keys.push_back(model.integer("seed", {0, 9e15}, AT(seed),

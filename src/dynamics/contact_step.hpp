@@ -11,6 +11,7 @@
 #include <array>
 #include <optional>
 #include <span>
+#include <utility>
 #include <vector>
 
 namespace scree {
@@ -149,6 +150,13 @@ public:
         state.velocity = velocity + push / body_.mass;
         state.spin = spin + response * turn;
         return report;
+    }
+
+    /// Replaces velocity and spin of `state` by those after an impact without restitution, with the directions of the start also where a step looks ahead.
+    void stop_approach(BlockState<Dim>& state) {
+        const bool ahead = std::exchange(ahead_, false);
+        solve(0.0, Vec::Zero(), RestitutionRule{}, state);
+        ahead_ = ahead;
     }
 
     /// The next contacts are new ones.

@@ -322,9 +322,9 @@ private:
 
     /// A contact has acted in the step that was solved last. If none has, the block flew although contacts were closed: after a bounce, or as a corner
     /// leaves the ground by the turning of the block.
-    bool pressed() const {
+    bool pressed(double impulse = 0.0) const {
         for (std::size_t c = 0; c < closed_.size(); ++c)
-            if (step_.normal_impulse(c) > 0.0) return true;
+            if (step_.normal_impulse(c) > impulse) return true;
         return false;
     }
 
@@ -337,17 +337,25 @@ private:
         return after;
     }
 
-    /// Velocities at the end of a step with the closed contacts. Drag in contact acts where one of them bears without it: in a step that only ends a
-    /// touch it would take a share that is the step's, not the law's.
+    /// Velocities at the end of a step with the closed contacts.
     ContactSolverReport driven(double h, const RestitutionRule& rule, const State& before, State& after) {
-        const Drag in_contact = effects_ ? effects_->drag_in_contact(closed_, before) : Drag{};
-        const auto with = [&](Drag drag) {
-            after = before;
-            const Vec along = effects_ ? effects_->drive(h, drag, after) : gravity_;
-            return step_.solve(h, along, rule, after);
-        };
-        const ContactSolverReport report = with({});
-        return in_contact.none() || !pressed() ? report : with(in_contact);
+        Drag in_contact = effects_ ? effects_->drag_in_contact(closed_, before) : Drag{};
+        if (!in_contact.none() && !bears(h, before)) in_contact = {};
+        after = before;
+        const Vec along = effects_ ? effects_->drive(h, in_contact, after) : gravity_;
+        return step_.solve(h, along, rule, after);
+    }
+
+    /// Whether a contact bears over a step, without drag in contact, once what approaches has been stopped at standing time: a touch that is over at once, because the turning of
+    /// the block lifts the corner off again, would take a share by drag that is the step's, not the law's.
+    bool bears(double h, const State& before) {
+        State s = before;
+        bool approaches = false;
+        for (std::size_t c = 0; c < closed_.size(); ++c) approaches = approaches || step_.normal_velocity(c, s) < 0.0;
+        if (approaches) step_.stop_approach(s);
+        const Vec along = effects_->drive(h, {}, s);
+        step_.solve(h, along, RestitutionRule{}, s);
+        return pressed(kBearsShare * body_.mass * settings_.gravity * h);
     }
 
     /// Pose after a step of length h with the mean of the velocities at both ends.
@@ -665,6 +673,8 @@ private:
         0.2;  ///< share of half the thickness that they move between two looks in it [-]
     static constexpr double kSameNormal = 1e-6;  ///< 1 - cosine below which two facets hold a vertex alike [-]
     static constexpr double kSamePlace = 0.02;   ///< of the radius: contacts closer than this are at one place [-]
+    static constexpr double kBearsShare =
+        1e-3;  ///< share of the weight that a contact carries at least if it bears: less is the solver's tolerance [-]
     static constexpr double kEquilibriumShare =
         1e-3;  ///< acceleration from rest, as a share of gravity, that counts as none [-]
     static constexpr int kImpactsInARow = 1000;  ///< impacts at one moment: beyond, something is wrong
