@@ -349,13 +349,15 @@ private:
     /// Whether a contact bears over a step, without drag in contact, once what approaches has been stopped at standing time: a touch that is over at once, because the turning of
     /// the block lifts the corner off again, would take a share by drag that is the step's, not the law's.
     bool bears(double h, const State& before) {
+        const double least = kBearsShare * settings_.gravity * h;  // [m/s]
         State s = before;
         bool approaches = false;
-        for (std::size_t c = 0; c < closed_.size(); ++c) approaches = approaches || step_.normal_velocity(c, s) < 0.0;
+        for (std::size_t c = 0; c < closed_.size(); ++c)
+            approaches = approaches || step_.normal_velocity(c, s) < -least;
         if (approaches) step_.stop_approach(s);
         const Vec along = effects_->drive(h, {}, s);
         step_.solve(h, along, RestitutionRule{}, s);
-        return pressed(kBearsShare * body_.mass * settings_.gravity * h);
+        return pressed(least * body_.mass);
     }
 
     /// Pose after a step of length h with the mean of the velocities at both ends.
