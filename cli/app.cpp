@@ -230,8 +230,14 @@ int run(const std::vector<std::string>& args, std::ostream& out, std::ostream& e
     } catch (const InputError& e) {
         err << "error: " << e.what() << "\n";
         return static_cast<int>(ExitCode::BadInput);
+    } catch (const std::filesystem::filesystem_error& e) {
+        err << "error: " << e.path1().string() << ": cannot be read or written (" << e.code().message()
+            << "); check the path, its permissions and the room on the disc\n";
+        // a folder that may not be entered, links in a circle, a name that is too long
+        if (e.code() != std::errc::no_space_on_device && e.code() != std::errc::io_error)
+            return static_cast<int>(ExitCode::BadInput);
     } catch (const std::bad_alloc&) {
-        err << "error: not enough memory: take a coarser resolution or a smaller DTM\n";
+        err << "error: not enough memory: take a coarser resolution, a smaller DTM or fewer blocks\n";
     } catch (const std::exception& e) {
         err << "error: " << e.what() << "\n";
     }

@@ -4,6 +4,11 @@
 #include "cli/json.hpp"
 #include "scree/base/error.hpp"
 
+#include <fcntl.h>
+#include <sys/file.h>
+#include <unistd.h>
+
+#include <cerrno>
 #include <sstream>
 
 namespace scree::cli {
@@ -45,6 +50,7 @@ CalibrationEvaluation evaluation_of(const Json& json) {
 }  // namespace
 
 JournalFile::JournalFile(std::filesystem::path file, const std::string& subject, bool resume) : file_(std::move(file)) {
+    lock_.hold(file_);
     if (resume) read(subject);
     std::error_code error;  // of the folder it does not matter: what does is whether the file can be written then
     if (file_.has_parent_path()) std::filesystem::create_directories(file_.parent_path(), error);
@@ -61,6 +67,30 @@ JournalFile::JournalFile(std::filesystem::path file, const std::string& subject,
     }
     std::filesystem::rename(draft, file_, error);
     if (error) throw ComputeError(file_.string() + " cannot be written: " + error.message());
+    lock_.hold(file_);
+}
+
+JournalFile::Lock::~Lock() {
+    if (descriptor_ >= 0) ::close(descriptor_);
+}
+
+void JournalFile::Lock::hold(const std::filesystem::path& file) {
+    const int descriptor = ::open(file.c_str(), O_RDONLY | O_CLOEXEC);
+    if (descriptor >= 0 && ::flock(descriptor, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK) {
+        ::close(descriptor);
+        throw InputError(file.string() +
+                         " is being written by another calibration: wait for it, or choose another --output");
+    }
+    if (descriptor_ >= 0) ::close(descriptor_);
+    descriptor_ = descriptor;
+}
+
+bool JournalFile::is_one(const std::filesystem::path& file) {
+    std::ifstream in(file, std::ios::binary);
+    std::string line;
+    if (!std::getline(in, line)) return in.eof();  // ended before it had begun
+    const Json json = Json::parse(line, nullptr, false);
+    return json.is_object() && json.contains("calibration");
 }
 
 void JournalFile::read(const std::string& subject) {

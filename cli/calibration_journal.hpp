@@ -14,8 +14,10 @@ namespace scree::cli {
 class JournalFile {
 public:
     /// Continues a file (`resume`) or begins one; an existing one is replaced at once, or stays as it is. Throws InputError if a file to be continued is
-    /// missing or about something else, ComputeError if it cannot be written.
+    /// missing or about something else, or another program is writing it, ComputeError if it cannot be written.
     JournalFile(std::filesystem::path file, const std::string& subject, bool resume);
+    /// Whether a file is what a calibration left, and not somebody else's of that name.
+    static bool is_one(const std::filesystem::path& file);
 
     /// What the file held when it was opened.
     CalibrationJournal journal;
@@ -27,12 +29,27 @@ public:
     void remove();
 
 private:
+    /// A file held against other programs as long as this lives, or the program; where it is absent, or its file system knows no locks, nothing is.
+    class Lock {
+    public:
+        Lock() = default;
+        ~Lock();
+        Lock(const Lock&) = delete;
+        Lock& operator=(const Lock&) = delete;
+        /// Lets go of the one before. Throws InputError if another program holds the file.
+        void hold(const std::filesystem::path& file);
+
+    private:
+        int descriptor_ = -1;
+    };
+
     void read(const std::string& subject);
     void check() const;
 
     std::filesystem::path file_;
     std::ofstream out_;
     std::size_t written_ = 0;
+    Lock lock_;
 };
 
 }  // namespace scree::cli

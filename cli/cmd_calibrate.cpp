@@ -47,7 +47,13 @@ fs::path journal_path(const fs::path& folder) {
 }
 
 void require_no_journal(const Context& context, const fs::path& journal) {
-    if (context.resume || context.overwrite || !fs::exists(journal)) return;
+    if (context.resume || !fs::exists(journal)) return;
+    if (context.overwrite) {
+        if (!JournalFile::is_one(journal))
+            throw InputError(journal.string() +
+                             " is not what a calibration left, and is left alone; move it, or choose another --output");
+        return;
+    }
     throw InputError(journal.string() +
                      " is what an unfinished calibration left: go on with --resume, or begin anew with --overwrite");
 }
@@ -80,6 +86,7 @@ ExitCode run_calibrate(const Context& context) {
     fs::path folder = context.results_folder(site);
     if (context.output.empty()) folder += "_calibrate";
     gis::require_free_results_folder(folder, context.overwrite);
+    gis::require_input_elsewhere(folder, site.file);
     require_no_journal(context, journal_path(folder));
     CalibrationReport report;
     report.before = report.after = site;

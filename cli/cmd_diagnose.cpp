@@ -246,6 +246,7 @@ ExitCode run_diagnose(const Context& context) {
     fs::path folder = context.results_folder(site);
     if (context.output.empty()) folder += context.plan ? "_plan" : "_diagnose";
     gis::require_free_results_folder(folder, context.overwrite);
+    gis::require_input_elsewhere(folder, site.file);
     std::vector<std::string> free = context.free.empty() ? site.settings.calibration.free : context.free;
     if (free.empty()) free = usual_free_keys(site);
     study.keys = read_free_keys(site, free);
@@ -279,6 +280,10 @@ ExitCode run_diagnose(const Context& context) {
     if (context.resume && !fs::exists(journal))
         throw InputError("there is no diagnosis to go on with: " + journal.string() +
                          " does not exist; leave --resume out, or give the --output of the one that was stopped");
+    if (fs::exists(journal) && !fs::is_directory(journal))
+        throw InputError(journal.string() +
+                         " is a file, but what a diagnosis simulates is kept in a folder of that name; move it, or "
+                         "choose another --output");
     SimulationStore store(journal, subject_of(study, free, context));
     if (fs::exists(journal) && !context.resume) {
         if (!context.overwrite)

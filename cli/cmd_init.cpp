@@ -69,12 +69,16 @@ ExitCode run_init(const Context& context) {
     namespace fs = std::filesystem;
     const fs::path folder(context.target);
     const fs::path file = folder / "site.toml";
-    if (fs::exists(file)) throw InputError(file.string() + " exists already: choose another folder or remove it");
     std::error_code error;
+    if (fs::exists(file, error))
+        throw InputError(file.string() + " exists already: choose another folder or remove it");
     fs::create_directories(folder / "data", error);
     std::ofstream out(file, std::ios::binary);
-    if (error || !(out << kTemplate) || !out.flush())
-        throw InputError(file.string() + " cannot be written: check that the folder may be created");
+    if (error || !out) throw InputError(file.string() + " cannot be written: check that the folder may be created");
+    if (!(out << kTemplate) || !out.flush()) {
+        fs::remove(file, error);
+        throw ComputeError(file.string() + " could not be stored; check that the disc has room");
+    }
     *context.out << "Wrote " << file.string() << "\nPut your data into " << (folder / "data").string()
                  << ", adapt the file, then: scree check " << file.string() << "\n";
     return ExitCode::Done;

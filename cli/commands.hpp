@@ -2,6 +2,7 @@
 #pragma once
 
 #include "cli/site_file.hpp"
+#include "gis/results_folder.hpp"
 #include "scree/base/error.hpp"
 
 #include <cstdint>
@@ -39,7 +40,7 @@ struct Context {
     std::filesystem::path results_folder(const SiteFile& site) const {
         const std::filesystem::path folder =
             output.empty() ? site.beside(site.settings.output_directory) : std::filesystem::path(output);
-        return folder.has_filename() ? folder : folder.parent_path();
+        return gis::named_folder(folder);
     }
 };
 

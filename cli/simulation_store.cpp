@@ -83,7 +83,15 @@ void SimulationStore::keep(const std::string& words, const ObservationTable& tab
 
 void SimulationStore::remove() {
     std::error_code ignored;
-    fs::remove_all(folder_, ignored);
+    std::vector<fs::path> own;
+    for (const auto& entry : fs::directory_iterator(folder_, ignored)) {
+        fs::path name = entry.path().filename();
+        if (name.extension() == ".part") name.replace_extension();
+        if ((name.extension() == ".table" || name.extension() == ".jsonl") && entry.is_regular_file(ignored))
+            own.push_back(entry.path());
+    }
+    for (const fs::path& file : own) fs::remove(file, ignored);
+    fs::remove(folder_, ignored);  // unless somebody keeps other things there
 }
 
 }  // namespace scree::cli

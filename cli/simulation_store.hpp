@@ -24,6 +24,7 @@ public:
     std::filesystem::path file(const std::string& name) const { return folder_ / name; }
     const std::filesystem::path& folder() const { return folder_; }
     const std::string& subject() const { return subject_; }
+    /// All that it has kept, and the folder, if nothing else is in it.
     void remove();
 
 private:

@@ -29,7 +29,21 @@ std::string read_text(const std::filesystem::path& file) {
     return text.str();
 }
 
+/// Names with very many dots would take the parser deeper than its stack.
+void require_shallow(const std::string& text, const std::string& name) {
+    constexpr std::ptrdiff_t kMostDots = 100;
+    std::istringstream lines(text);
+    std::string line;
+    for (std::size_t number = 1; std::getline(lines, line); ++number)
+        if (const auto end =
+                line.begin() + static_cast<std::ptrdiff_t>(std::min(line.find_first_of("=\"'#"), line.size()));
+            std::count(line.begin(), end, '.') > kMostDots)
+            throw InputError(name + ":" + std::to_string(number) +
+                             ": a name of more than a hundred parts is no key of a site file: see scree settings");
+}
+
 toml::table parse(const std::string& text, const std::string& name) {
+    require_shallow(text, name);
     try {
         return toml::parse(text, name);
     } catch (const toml::parse_error& e) {
@@ -163,6 +177,8 @@ void read_effects(const toml::node& node, const std::string& file, std::vector<E
 
 /// The value of a change as TOML; what is no TOML is a text.
 toml::table changed_value(const std::string& text) {
+    if (text.find_first_of("\n\r") != std::string::npos)
+        throw InputError("--set: a value is one line, not \"" + text + "\"; give each change a --set of its own");
     try {
         return toml::parse("value = " + text);
     } catch (const toml::parse_error&) {

@@ -11,6 +11,7 @@
 #include <array>
 #include <cmath>
 #include <filesystem>
+#include <iterator>
 
 namespace scree::gis {
 
@@ -266,9 +267,17 @@ void add_folder(const fs::path& folder, const LocalFrame& frame, const Box2& ext
     }
     std::vector<std::string> tables, read;
     std::error_code ignored;
-    for (const auto& entry : fs::directory_iterator(folder, ignored))
-        if (is_table(entry.path()) && entry.is_regular_file(ignored))
-            tables.push_back(entry.path().filename().string());
+    for (const auto& entry : fs::directory_iterator(folder, ignored)) {
+        if (!is_table(entry.path())) continue;
+        const std::string name = entry.path().filename().string();
+        if (entry.is_regular_file(ignored))
+            tables.push_back(name);
+        else if (std::any_of(std::begin(kTables), std::end(kTables),
+                             [&](const char* table) { return !called(table, {name}, folder.string()).empty(); }))
+            throw InputError(
+                words("The observations '", folder.string(), "' hold '", name,
+                      "', which is a folder or a link that leads nowhere; put the table there, or remove it."));
+    }
     std::sort(tables.begin(), tables.end());
     for (const char* name : kTables) {
         const std::string table = called(name, tables, folder.string());

@@ -150,7 +150,7 @@ void check_folder(const fs::path& folder, bool overwrite) {
     // the new folder is made beside the final one: try it, permission bits do not tell all
     fs::path parent = path.parent_path();
     while (!fs::exists(parent) && parent.has_relative_path()) parent = parent.parent_path();
-    const fs::path probe = parent / (".scree-probe-" + std::to_string(::getpid()));
+    const fs::path probe = parent / (path.filename().string() + ".partial-" + std::to_string(::getpid()) + "-0");
     std::error_code refused;
     if (!fs::create_directory(probe, refused)) {
         throw InputError(name + ": results cannot be written, because nothing can be created in " + parent.string() +
@@ -170,18 +170,25 @@ void require_free_results_folder(const fs::path& folder, bool overwrite) {
     }
 }
 
-void require_inputs_elsewhere(const fs::path& folder, const std::vector<InputFile>& inputs) {
-    std::error_code ignored;
-    const fs::path target = resolved(folder);
-    for (const InputFile& input : inputs) {
-        const fs::path inside = fs::weakly_canonical(fs::absolute(input.path), ignored).lexically_relative(target);
-        if (!inside.empty() && inside.begin()->string() != "..")
-            throw InputError(input.path + ": is an input, and lies in " + folder.string() +
-                             ", which the results would replace; choose another --output");
-    }
+fs::path named_folder(const fs::path& folder) {
+    const fs::path last = folder.filename();
+    if (last == "." || last == "..") return resolved(folder);
+    return folder.has_filename() ? folder : folder.parent_path();
 }
 
-ResultsFolder::ResultsFolder(const fs::path& folder, bool overwrite) : final_(resolved(folder)) {
+void require_input_elsewhere(const fs::path& folder, const fs::path& input) {
+    std::error_code ignored;
+    const fs::path inside = fs::weakly_canonical(fs::absolute(input), ignored).lexically_relative(resolved(folder));
+    if (!inside.empty() && inside.begin()->string() != "..")
+        throw InputError(input.string() + ": is an input, and lies in " + folder.string() +
+                         ", which the results would replace; choose another --output");
+}
+
+void require_inputs_elsewhere(const fs::path& folder, const std::vector<InputFile>& inputs) {
+    for (const InputFile& input : inputs) require_input_elsewhere(folder, input.path);
+}
+
+ResultsFolder::ResultsFolder(const fs::path& folder, bool overwrite) : final_(resolved(folder)), overwrite_(overwrite) {
     require_free_results_folder(folder, overwrite);
     fs::create_directories(final_.parent_path());
     const std::string name = final_.string() + ".partial-" + std::to_string(::getpid());
@@ -198,8 +205,11 @@ void ResultsFolder::commit() {
     write_checksums(staging_);
     for (const fs::path& file : files_below(staging_)) flush(staging_ / file);
     flush(staging_);
+    committed_ = true;  // from here on it is somebody's
+    if (!overwrite_ && fs::exists(final_) && !fs::is_empty(final_))
+        throw InputError(final_.string() + ": another program has written there meanwhile; this result is kept in " +
+                         staging_.string() + ": rename that folder, or remove it");
     const bool replaced = swap_folders(staging_, final_);
-    committed_ = true;
     flush(final_.parent_path());
     if (!replaced) return;
     try {

@@ -14,11 +14,16 @@ inline constexpr const char* kChecksumFile = "SHA256SUMS";
 /// All layers of a result; every result has it.
 inline constexpr const char* kGeoPackageFile = "results.gpkg";
 
+/// The folder by a path that ends with its name, so that what lies beside it can be named after it: not with a slash, `.` or `..`.
+std::filesystem::path named_folder(const std::filesystem::path& folder);
+
 /// Throws InputError if results cannot go to the folder: it is a file, it holds things but no result, it holds a result and
 /// `overwrite` is false, or nothing can be written there. Call it before hours of computing.
 void require_free_results_folder(const std::filesystem::path& folder, bool overwrite);
 
-/// Throws InputError if one of these files lies in the folder, which results would replace.
+/// Throws InputError if the file lies in the folder, which results would replace.
+void require_input_elsewhere(const std::filesystem::path& folder, const std::filesystem::path& input);
+/// The same of several.
 void require_inputs_elsewhere(const std::filesystem::path& folder, const std::vector<InputFile>& inputs);
 
 /// A folder of results that appears whole or not at all. Files are written under a temporary name beside the final one; commit()
@@ -33,12 +38,14 @@ public:
 
     /// Where to write.
     const std::filesystem::path& path() const { return staging_; }
-    /// Of a result that was there before, the files that it listed are removed; whatever else lay in the folder is kept.
+    /// Of a result that was there before, the files that it listed are removed; whatever else lay in the folder is kept. Without `overwrite`, throws InputError
+    /// where another program has written a result meanwhile; this one then stays where it was written.
     void commit();
 
 private:
     std::filesystem::path final_;
     std::filesystem::path staging_;
+    bool overwrite_ = false;
     bool committed_ = false;
 };
 

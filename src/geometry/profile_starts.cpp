@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include "scree/base/error.hpp"
 #include "scree/geometry/profile_trace.hpp"
 
 #include <algorithm>
 #include <cmath>
+#include <string>
 
 namespace scree {
 
@@ -46,6 +48,14 @@ Vec2 inner_point(const Polygon& polygon) {
     return best;
 }
 
+/// Before they are made: far more than anybody could want.
+void require_few(double count, double spacing) {
+    constexpr double kMost = 1e6;
+    if (!(count <= kMost))
+        throw InputError("profile.spacing = " + std::to_string(spacing) +
+                         " m gives more than a million starting points; choose a larger one");
+}
+
 std::vector<Vec2> points_in(const Polygon& polygon, double spacing) {
     if (spacing <= 0.0) return {inner_point(polygon)};
     std::vector<Vec2> points;
@@ -53,6 +63,7 @@ std::vector<Vec2> points_in(const Polygon& polygon, double spacing) {
     const Box2 box = region.bounds();
     // a lattice through the middle of the polygon's box, so that small polygons have their point in the middle
     const Vec2 middle = 0.5 * (box.min + box.max);
+    require_few((box.max.x() - box.min.x()) / spacing * ((box.max.y() - box.min.y()) / spacing), spacing);
     const auto reach = [&](double extent) { return static_cast<int>(std::floor(0.5 * extent / spacing)); };
     const int columns = reach(box.max.x() - box.min.x()), rows = reach(box.max.y() - box.min.y());
     for (int j = rows; j >= -rows; --j) {
@@ -70,6 +81,7 @@ std::vector<Vec2> points_along(const Polyline& polyline, double spacing) {
     for (const Vec3& p : polyline.points) flat.emplace_back(p.x(), p.y(), 0.0);
     const Profile line = make_profile(flat, std::vector<SoilId>(flat.empty() ? 0 : flat.size() - 1, 0));
     if (line.empty()) return {};
+    if (spacing > 0.0) require_few(line.length() / spacing, spacing);
     const int count = spacing > 0.0 ? std::max(1, static_cast<int>(std::floor(line.length() / spacing))) : 1;
     std::vector<Vec2> points;
     const double first = 0.5 * (line.length() - (count - 1) * spacing);  // as far from one end as from the other

@@ -289,8 +289,8 @@ private:
                        "): give every throw an id of its own, also of a block thrown again"));
         if (crossings.count() > 0)
             find(Severity::Error, "duplicate_id",
-                 words(crossings.counted("block_id crosses", "block_ids cross"), " a screen more than once (",
-                       crossings.text(), "): keep the first crossing, and give every throw an id of its own"));
+                 words(crossings.counted("passage is", "passages are"), " measured more than once (", crossings.text(),
+                       "): keep the first one, and give every throw a block_id of its own"));
     }
 
     void block_list() {

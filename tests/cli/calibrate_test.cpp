@@ -355,6 +355,27 @@ TEST(Calibrate, AJournalThatCannotBeRewrittenStays) {
     EXPECT_EQ(contents_of(folder.path()).size(), 1U) << "no draft is left";
 }
 
+// Two calibrations that go to one folder: the second must not write into the journal of the first; nor into what is no journal.
+TEST(Calibrate, AJournalBelongsToOne) {
+    const TempDir folder;
+    const fs::path file = folder / "out.journal.jsonl";
+    {
+        const cli::JournalFile first(file, "{\"calibration\":1}", false);
+        EXPECT_THROW(cli::JournalFile(file, "{\"calibration\":2}", false), InputError);
+        EXPECT_THROW(cli::JournalFile(file, "{\"calibration\":1}", true), InputError);
+    }
+    EXPECT_EQ(text_of(file), "{\"calibration\":1}\n");
+    EXPECT_TRUE(cli::JournalFile::is_one(file));
+    EXPECT_NO_THROW(cli::JournalFile(file, "{\"calibration\":1}", true));
+    put(file, "my notes\n");
+    EXPECT_FALSE(cli::JournalFile::is_one(file));
+    const Outcome run = in_plane("calibrate", quarry_a() / "observed", folder / "out",
+                                 {"--overwrite", "--free", "soil.compact waste.rolling=0.01:0.2"});
+    EXPECT_EQ(run.code, 3);
+    EXPECT_THAT(run.err, HasSubstr("is not what a calibration left"));
+    EXPECT_EQ(text_of(file), "my notes\n");
+}
+
 TEST(Sweep, RefusesBeforeAnythingIsComputed) {
     const TempDir folder;
     put(folder / "zones.csv", "name,count,released\n3A,5,30\n4A,25,30\n");

@@ -238,6 +238,25 @@ TEST(Compare, StopsWhereNothingWasMeasured) {
     EXPECT_EQ(contents_of(folder.path()).size(), 1U);
 }
 
+// What stands where a table is looked for is not passed over in silence.
+TEST(Compare, ATableThatIsNoFileIsRefused) {
+    const TempDir folder;
+    for (const bool link : {true, false}) {
+        fs::create_directories(folder / "observed");
+        fs::copy_file(quarry_a() / "observed" / "screen_crossings.csv", folder / "observed" / "screen_crossings.csv",
+                      fs::copy_options::overwrite_existing);
+        const fs::path stops = folder / "observed" / "stopping_points.csv";
+        if (link)
+            fs::create_symlink("nowhere.csv", stops);
+        else
+            fs::create_directory(stops);
+        const Outcome run = compare(folder / "observed", folder / "out", {"--set", "release.count=10", "--quiet"});
+        EXPECT_EQ(run.code, 3);
+        EXPECT_THAT(run.err, HasSubstr("'stopping_points.csv', which is a folder or a link that leads nowhere"));
+        fs::remove(stops);
+    }
+}
+
 // Results of Scree may be the measurements: --overwrite must not replace them.
 TEST(Compare, DoesNotOverwriteWhatItReads) {
     const TempDir folder;

@@ -249,11 +249,40 @@ TEST(Run, LeavesResultsAloneUnlessTold) {
     EXPECT_EQ(read_points(out / "results.gpkg", "stopping_points").size(), 3U);
     EXPECT_EQ(text_of(out / "notes.txt"), "mine");
 
+    // nor is a site file in them replaced that the run itself reads
+    const auto now = contents_of(out);
+    const Outcome own = scree_program({"run", (out / "run.toml").string(), "--output", out.string(), "--overwrite"});
+    EXPECT_EQ(own.code, 3);
+    EXPECT_THAT(own.err, HasSubstr("run.toml: is an input, and lies in"));
+    EXPECT_EQ(contents_of(out), now);
+
     fs::create_directories(folder / "photos");
     put(folder / "photos" / "slope.jpg", "a picture");
     const Outcome foreign = run_quarry_a(folder / "photos", {"--overwrite"});
     EXPECT_EQ(foreign.code, 3);
     EXPECT_EQ(contents_of(folder / "photos").size(), 1U);
+}
+
+// What a line break hides, sizes that only memory would refuse, names that would take the parser too deep.
+TEST(Run, RefusesWhatWouldBeTakenAmiss) {
+    const TempDir folder;
+    const auto check = [](const std::vector<std::string>& more) {
+        std::vector<std::string> args{"check", (quarry_a() / "site.toml").string()};
+        args.insert(args.end(), more.begin(), more.end());
+        const Outcome run = scree_program(args);
+        EXPECT_EQ(run.code, 3);
+        return run.err;
+    };
+    EXPECT_THAT(check({"--set", "release.count=5\nmodel.seed=3"}), HasSubstr("a value is one line"));
+    EXPECT_THAT(check({"--set", "model.dimension=2", "--set", "profile.spacing=0.001"}),
+                HasSubstr("more than a million starting points"));
+    EXPECT_THAT(check({"--set", "release.count=1e3"}), HasSubstr("a whole number from 1 to 1000000000"));
+    std::string name = "a";
+    for (int k = 0; k < 50000; ++k) name += ".a";
+    put(folder / "deep.toml", "[terrain]\n" + name + " = 1\n");
+    const Outcome deep = scree_program({"check", (folder / "deep.toml").string()});
+    EXPECT_EQ(deep.code, 3);
+    EXPECT_THAT(deep.err, HasSubstr("deep.toml:2: a name of more than a hundred parts"));
 }
 
 // A scan saved where the comma is the decimal point.

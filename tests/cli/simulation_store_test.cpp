@@ -43,6 +43,17 @@ TEST(SimulationStore, GivesBackWhatItKeeps) {
     EXPECT_FALSE(store.find("baseline"));
 }
 
+TEST(SimulationStore, RemovesNothingOfOthers) {
+    const TempDir folder;
+    cli::SimulationStore store(folder / "journal", "this study");
+    store.keep("baseline", table_of_two());
+    fs::create_directory(store.folder() / "notes");
+    std::ofstream(store.folder() / "notes" / "a.txt") << "mine";
+    store.remove();
+    EXPECT_FALSE(store.find("baseline"));
+    EXPECT_TRUE(fs::exists(store.folder() / "notes" / "a.txt"));
+}
+
 TEST(SimulationStore, DoesNotTakeHalfAFile) {
     const TempDir folder;
     cli::SimulationStore store(folder / "journal", "this study");

@@ -193,6 +193,18 @@ TEST(ResultsFolder, AnEarlierResultIsReplacedOnlyWhenTold) {
 }
 
 // Anybody may keep a list of hashes beside data.
+// Two runs to one new folder: the second one to end keeps its result beside that of the first.
+TEST(ResultsFolder, AResultWrittenMeanwhileIsNotReplaced) {
+    const test::TempDir dir;
+    ResultsFolder late(dir / "out", false);
+    put(late.path() / "results.gpkg", "late");
+    write_results(dir / "out", small(), false);
+    const std::string before = text_of(dir / "out/results.gpkg");
+    EXPECT_THAT(message_of([&] { late.commit(); }), HasSubstr("another program has written there meanwhile"));
+    EXPECT_EQ(text_of(dir / "out/results.gpkg"), before);
+    EXPECT_EQ(text_of(late.path() / "results.gpkg"), "late");
+}
+
 TEST(ResultsFolder, AListOfHashesAloneIsNoResult) {
     const test::TempDir dir;
     fs::create_directory(dir / "lidar");
