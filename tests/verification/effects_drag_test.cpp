@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Forces of effects, in flight and in contact, against closed forms of a ball (3D) and a disc (2D).
+#include "dynamics/effects/block_effects.hpp"
 #include "dynamics/effects/formulas.hpp"
 
 #include "support/ball.hpp"
@@ -7,6 +8,7 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cmath>
 
 namespace scree::test {
@@ -340,6 +342,37 @@ TYPED_TEST(EffectDrag, ScarDragActsUntilTheScarIsLeftBehind) {
                     effect_formula::scar_area(this->ball.radius, depth * (1.0 - (n + 0.5) / parts));
     EXPECT_NEAR(all.back().velocity_end[0], v * std::exp(-integral), 0.01);
     EXPECT_LT(all.back().velocity_end[0], 0.98 * v);
+}
+
+// Touches on the way out of a scar do not begin it anew: n of them would leave (1 - 1/n)^n of its depth after one diameter.
+TYPED_TEST(EffectDrag, AShallowImpactLeavesADeepScarAsItIs) {
+    constexpr int kDim = TestFixture::kDimension;
+    const std::vector<Effect> effects{effect_with(EffectKind::ScarDrag, {{"resistance", 2.5}, {"density", 1700.0}})};
+    BlockEffects<kDim> at_work({effects, 1, 0}, {1000.0, 1.0}, this->ball.slope, g);
+    std::vector<Contact<kDim>> contacts(1);
+    BlockState<kDim> s;
+    const auto drag = [&] { return at_work.drag_in_contact(contacts, s).quadratic; };
+    const auto move = [&](double way) {
+        const auto from = s.position;
+        s.position[0] += way;
+        at_work.moved(from, 0.1, true, 1e4, s);
+    };
+    const auto strike = [&](double speed) { at_work.struck(s, contacts, std::array{speed}); };
+    strike(8.0);
+    const double at_first = drag();
+    EXPECT_GT(at_first, 0.0);
+    for (int k = 1; k <= 10; ++k) {
+        move(0.1);
+        const double before = drag();
+        strike(0.01);
+        if (k < 9) {
+            EXPECT_EQ(drag(), before) << k;
+        }
+    }
+    EXPECT_LT(drag(), 1e-2 * at_first) << "but for the scar of 1 cm/s";
+    move(-0.5);
+    strike(8.0);
+    EXPECT_DOUBLE_EQ(drag(), at_first) << "a deeper one counts";
 }
 
 // In the scheme of the paper forces act step by step; h = 1e-3 leaves its first-order error.

@@ -180,7 +180,9 @@ void BlockEffects<Dim>::struck(const State& s, std::span<const Contact<Dim>> con
         if (fastest <= 0.0) continue;
         if (p.kind == EffectKind::ScarDrag) {
             const double left = p.memory * std::max(0.0, 1.0 - p.memory2 / body_.length);
-            p.memory = std::min(std::max(left, scar_depth(body_.mass, 1e6 * p.value[1], fastest)), 0.5 * body_.length);
+            const double depth = std::min(scar_depth(body_.mass, 1e6 * p.value[1], fastest), 0.5 * body_.length);
+            if (depth < left) continue;  // within the scar of before, which is left behind as it was
+            p.memory = depth;
             p.memory2 = 0.0;
         } else if (!broken_ && body_.length * std::cbrt(p.value[1]) >= kSmallestPiece && fastest >= p.value[0] &&
                    p.memory < p.value[2]) {

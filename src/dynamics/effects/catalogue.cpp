@@ -175,9 +175,10 @@ constexpr EffectInfo kCatalogue[] = {
      "F = -m c |v| v while in contact", "quadratic drag", "fast blocks are slowed, hardly more stops",
      "Acts while the ground bears the block, as ground_drag.", kGroundDragQuadratic},
     {K::ScarDrag, "scar_drag", "blocks plough compactable soil", H::ContactForce, kOnGroundAtImpact,
-     "F = -1/2 (C_f + C_s) density A(d) |v| v while in contact; at an impact d = max(d, 0.1 m^(1/3) M_E^(-0.4) "
-     "v_n^0.8), with "
-     "M_E in kN/m2, and at most L/2; on the way d falls to 0 over L; A: what a sphere of diameter L sunk in by d shows "
+     "F = -1/2 (C_f + C_s) density A(d) |v| v while in contact; an impact makes a scar of d = 0.1 m^(1/3) M_E^(-0.4) "
+     "v_n^0.8, with "
+     "M_E in kN/m2, and at most L/2, if that is deeper than what is left of the one before; on the way d falls to 0 "
+     "over L; A: what a sphere of diameter L sunk in by d shows "
      "in front",
      "Lu et al. 2019, Modelling rockfall impact with scarring in compactable soils, eqs 8-14; the way over which a "
      "scar is left "
