@@ -7,6 +7,8 @@
 #include "gis/vector_writer.hpp"
 #include "scree/base/error.hpp"
 
+#include <array>
+#include <csignal>
 #include <fstream>
 #include <set>
 
@@ -54,6 +56,33 @@ void write_text(const fs::path& file, const std::string& text) {
     if (!out.flush()) throw ComputeError(file.string() + ": could not be stored; check that the disc has room");
 }
 
+volatile std::sig_atomic_t waiting_signal = 0;
+extern "C" void keep_signal(int signal) {
+    waiting_signal = signal;
+}
+
+/// Ctrl-C and a request to end wait until results are whole: what is half written would be left behind, and lost. They are delivered then.
+class SignalsWait {
+public:
+    SignalsWait() {
+        waiting_signal = 0;
+        struct sigaction keep = {};
+        keep.sa_handler = keep_signal;
+        keep.sa_flags = SA_RESTART;  // writing goes on
+        for (std::size_t k = 0; k < kSignals.size(); ++k) sigaction(kSignals[k], &keep, &before_[k]);
+    }
+    ~SignalsWait() {
+        for (std::size_t k = 0; k < kSignals.size(); ++k) sigaction(kSignals[k], &before_[k], nullptr);
+        if (waiting_signal != 0) std::raise(waiting_signal);
+    }
+    SignalsWait(const SignalsWait&) = delete;
+    SignalsWait& operator=(const SignalsWait&) = delete;
+
+private:
+    static constexpr std::array kSignals{SIGINT, SIGTERM};
+    std::array<struct sigaction, kSignals.size()> before_{};
+};
+
 void write_into(ResultsFolder& results, const ResultsPackage& package) {
     const fs::path geopackage = results.path() / kGeoPackageFile;
 
@@ -80,6 +109,7 @@ void write_into(ResultsFolder& results, const ResultsPackage& package) {
 
 void write_results(const fs::path& folder, const ResultsPackage& package, bool overwrite) {
     check_names(package);
+    const SignalsWait wait;
     try {
         ResultsFolder results(folder, overwrite);
         write_into(results, package);

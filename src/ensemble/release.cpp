@@ -66,9 +66,11 @@ ReleaseArea::ReleaseArea(const FeatureLayer& layer, const Surface& surface, Rele
     }
     inside_share_ = static_cast<double>(inside) / (kTrials * static_cast<double>(sources_.size()));
     if (!(total_weight_ > 0.0))
-        throw InputError("release layer " + layer.name +
-                         " lies outside the terrain or over holes in it: no block could start; compare the extents "
-                         "with scree check");
+        throw InputError(
+            "release layer " + layer.name +
+            " lies outside the terrain, over holes in it, or is so large that hardly any of it lies over the "
+            "terrain: no block could start; compare the extents with scree check, and cut it to the slopes "
+            "that release blocks");
     if (pattern == ReleasePattern::Cells) find_cells(cells);
 }
 
@@ -126,7 +128,9 @@ Vec2 ReleaseArea::draw(std::uint64_t seed, std::uint64_t block, std::int64_t& fe
         feature = sources_[s].feature;
         return p;
     }
-    throw InputError("hardly any of the release area lies over the terrain: move it or take a larger DTM");
+    throw InputError(
+        "hardly any of the release area lies over the terrain: cut the polygons of release.file to the slopes that "
+        "release blocks");
 }
 
 BlockState<3> draw_release(const ReleaseSettings& settings, const ReleaseArea& area, const Surface& surface,

@@ -12,6 +12,7 @@
 #include <ogrsf_frmts.h>
 #include <unistd.h>
 
+#include <csignal>
 #include <cstdlib>
 #include <fstream>
 #include <set>
@@ -203,6 +204,27 @@ TEST(ResultsFolder, AResultWrittenMeanwhileIsNotReplaced) {
     EXPECT_THAT(message_of([&] { late.commit(); }), HasSubstr("another program has written there meanwhile"));
     EXPECT_EQ(text_of(dir / "out/results.gpkg"), before);
     EXPECT_EQ(text_of(late.path() / "results.gpkg"), "late");
+}
+
+std::sig_atomic_t volatile told_to_end = 0;
+
+// Ctrl-C while results are written: they are whole first.
+TEST(Results, AnInterruptWaitsUntilTheyAreWhole) {
+    const test::TempDir dir;
+    ResultsPackage package = sample();
+    int seen_while_writing = -1;
+    const Grid<float> values = package.rasters.front().values;
+    package.rasters.front().make_values = [&] {
+        std::raise(SIGINT);
+        seen_while_writing = told_to_end;
+        return values;
+    };
+    const auto before = std::signal(SIGINT, [](int) { told_to_end = 1; });
+    write_results(dir / "out", package, false);
+    std::signal(SIGINT, before);
+    EXPECT_EQ(seen_while_writing, 0);
+    EXPECT_EQ(told_to_end, 1);
+    EXPECT_TRUE(fs::exists(dir / "out" / kChecksumFile));
 }
 
 TEST(ResultsFolder, AListOfHashesAloneIsNoResult) {
