@@ -63,6 +63,11 @@ std::string is_change(const std::string& text) {
                : "";
 }
 
+/// An unset variable of a script is no folder.
+std::string is_folder_name(const std::string& text) {
+    return text.empty() ? "the name of the folder is empty" : "";
+}
+
 /// Where results go unless --output says otherwise: beside output.directory, so that no command replaces the results of another.
 std::string output_help(const Command& command) {
     const std::string suffix = command.run == run_run        ? ""
@@ -90,11 +95,16 @@ void add_options(CLI::App& sub, const Command& command, Context& context) {
         sub.add_flag("--quiet,-q", context.quiet, "No progress and no summary, only warnings and errors");
     }
     if (command.target == Target::Folder)
-        sub.add_option("FOLDER", context.target, "Folder of the new site")->type_name("")->required();
+        sub.add_option("FOLDER", context.target, "Folder of the new site")
+            ->type_name("")
+            ->required()
+            ->check(is_folder_name, "");
     if (command.target == Target::Kind)
         sub.add_option("KIND", context.target, "The effect to explain; without it all are listed")->type_name("");
     if (command.writes_results) {
-        sub.add_option("--output", context.output, output_help(command))->type_name("FOLDER");
+        sub.add_option("--output", context.output, output_help(command))
+            ->type_name("FOLDER")
+            ->check(is_folder_name, "");
         sub.add_flag("--overwrite", context.overwrite, "Replace results that are there already");
     }
     if (command.computes) {

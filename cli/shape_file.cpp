@@ -71,7 +71,8 @@ std::vector<Vec3> read_text_points(const std::string& text, const std::string& e
 
 std::vector<Vec3> read_shape_points(const std::filesystem::path& file) {
     std::ifstream in(file, std::ios::binary);
-    if (!in) throw InputError("block shape " + file.string() + " cannot be read: check blocks.shape_file");
+    if (!in || std::filesystem::is_directory(file))
+        throw InputError("block shape " + file.string() + " cannot be read: check blocks.shape_file");
     std::ostringstream buffer;
     buffer << in.rdbuf();
     const std::string text = buffer.str();
@@ -81,7 +82,11 @@ std::vector<Vec3> read_shape_points(const std::filesystem::path& file) {
     if (points.size() < 4)
         throw InputError(file.string() + " holds " + std::to_string(points.size()) +
                          " points; a block needs at least 4 (x y z per line, OBJ or STL)");
-    convex_hull(points);  // refuses what spans no volume
+    try {
+        convex_hull(points);  // refuses what spans no volume
+    } catch (const InputError& e) {
+        throw InputError(file.string() + ": " + e.what());
+    }
     return points;
 }
 

@@ -157,6 +157,8 @@ Placement placement_of(GDALDataset& dataset, const std::string& file) {
         if (!std::isfinite(v)) refuse(file, "has a georeference with values that are not finite; find the original.");
     }
     const int columns = dataset.GetRasterXSize(), rows = dataset.GetRasterYSize();
+    if (g[1] == 0 && g[2] == 0)
+        refuse(file, "has cells without a width; find the original, or set it with gdal_edit.py -tr.");
     if (g[1] == 0 || g[5] == 0 || std::abs(g[4]) * columns > kRotationTolerance * std::abs(g[5]) ||
         std::abs(g[2]) * rows > kRotationTolerance * std::abs(g[1])) {
         refuse(file, words("is rotated by ", fixed(std::atan2(g[4], g[1]) * 180 / std::numbers::pi, 2),
@@ -339,8 +341,11 @@ HeightCensus read_heights(Decoder& decoder, const Placement& place, const std::s
     for (int first = 0; first < dtm.rows; first += strip) {
         const int count = std::min(strip, dtm.rows - first);
         if (!decoder.read(first, count, values)) {
-            refuse(file, words("is damaged or incomplete: pixels of its rows ", first + 1, " to ", first + count,
-                               " (of ", dtm.rows, ") cannot be read", scope.reason(), "; copy or download it again."));
+            const std::string reason = scope.reason();
+            int row = first;
+            while (row + 1 < first + count && decoder.read(row, 1, values)) ++row;
+            refuse(file, words("is damaged or incomplete: pixels of its row ", row + 1, " (of ", dtm.rows,
+                               "), and maybe of others, cannot be read", reason, "; copy or download it again."));
         }
         for (int r = 0; r < count; ++r) {
             const int row = place.south_up ? first + r : dtm.rows - 1 - (first + r);

@@ -509,7 +509,7 @@ private:
             State after = before;
             const ContactSolverReport report = driven(h, RestitutionRule{1.0, 0.0}, before, after);
             if (in_contact) count(report);
-            motion.in_contact = in_contact && pressed();
+            motion.in_contact = motion.struck = in_contact && pressed();
             move(before, h, after);
             if (!is_finite(after)) return finish(StopReason::Failed);
             state_ = after;

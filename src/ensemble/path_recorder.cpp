@@ -104,16 +104,17 @@ FilmedImpact::End PathRecorder<Dim>::impact_end(const MotionSegment<Dim>& m, dou
 template <int Dim>
 void PathRecorder<Dim>::add_crossing(std::size_t screen, const MotionSegment<Dim>& m, double share) {
     crossed_[screen] = true;
-    const Vec position = position_at(m, share), velocity = velocity_at(m, share);
+    const double moving = m.struck ? std::round(share) : share;
+    const Vec position = position_at(m, share), velocity = velocity_at(m, moving);
     ScreenCrossing c;
     c.block = block_;
     c.screen = static_cast<std::int32_t>(screen);
     c.time = m.start + share * m.duration;
     c.position = on_map(position);
     c.velocity = velocity_on_map(position, velocity);
-    c.spin = spin_at(m, share);
+    c.spin = spin_at(m, moving);
     c.mass = m.mass;
-    c.energy = energy_at(m, share);
+    c.energy = energy_at(m, moving);
     c.height = position[Dim - 1] - ground(position);
     c.measured_speed = velocity.norm();
     if constexpr (Dim == 2) c.s = position.x();

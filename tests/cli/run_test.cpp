@@ -299,6 +299,13 @@ TEST(ShapeFile, ReadsDecimalCommasAndRefusesWhatIsNoPoint) {
     EXPECT_THROW(cli::read_shape_points(folder / "unclear.txt"), InputError) << "six numbers are no point";
     put(folder / "SCAN.OBJ", "v 0 0 0\nv 1.5 0 0\nv 0 1.25 0\nv 0 0 -0.75\nvn 0 0 1\n");
     EXPECT_EQ(cli::read_shape_points(folder / "SCAN.OBJ"), points);
+    put(folder / "flat.txt", "0 0 0\n1 0 0\n0 1 0\n1 1 0\n");
+    try {
+        cli::read_shape_points(folder / "flat.txt");
+        FAIL() << "flat";
+    } catch (const InputError& e) {
+        EXPECT_THAT(e.what(), HasSubstr("flat.txt: the 4 points of a block shape span no volume"));
+    }
 }
 
 // A colon belongs to names of GDAL where something is read; what is written is a path.

@@ -87,6 +87,8 @@ const UsageCase kUsage[] = {
     {"SettingsAsMarkdown", {"settings", "--format", "markdown"}, 0, "## [[soil]]", ""},
     {"SettingsAsToml", {"settings", "--format", "toml"}, 0, "[[soil]]", ""},
 
+    {"OutputWithoutAName", {"run", kQuarry, "--output", ""}, 2, "", "the name of the folder is empty"},
+    {"InitWithoutAName", {"init", ""}, 2, "", "the name of the folder is empty"},
     {"NoSuchSite", {"run", "no/such/site.toml"}, 3, "", "no/such/site.toml cannot be read"},
     {"SiteIsAFolder", {"check", quarry_a().string()}, 3, "", "site.toml"},
     {"KeyMisspelt", {"check", kQuarry, "--set", "terrain.resolutoin=2"}, 3, "", "did you mean terrain.resolution?"},

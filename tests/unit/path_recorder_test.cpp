@@ -66,5 +66,35 @@ TEST(PathRecorder, SpinAtAScreenIsThatOfTheTime) {
     EXPECT_GT(std::abs(spin.norm() - 0.5 * (m.spin_start + m.spin_end)), 0.05) << "or the test says nothing";
 }
 
+// In the fixed steps of moreau_jean an impulse lies somewhere in a step: at a screen the block moves as before it or as after it.
+TEST(PathRecorder, NoCrossingIsBetweenBeforeAndAfterAnImpulse) {
+    CampaignInput input;
+    input.passages = false;
+    const auto ground = test::inclined_plane(0.0, 20.0);
+    input.surface = ground.get();
+    input.screens = {{"early", {{0.2, -5.0}, {0.2, 5.0}}, -1}, {"late", {{0.8, -5.0}, {0.8, 5.0}}, -1}};
+    MotionSegment<3> m;
+    m.duration = 0.1;
+    m.mass = 1000.0;
+    m.position = {0.0, 0.0, 1.0};
+    m.velocity_start = {10.0, 0.0, -5.0};
+    m.velocity_end = {10.0, 0.0, 3.0};
+    m.spin_start = 1.0;
+    m.spin_end = m.spin_most = 2.0;
+    m.rotation_energy_end = 1e3;
+    m.in_contact = m.struck = true;
+    BlockResult result;
+    MapRecorder recorder(input, 0, result);
+    recorder.segment(m);
+    const auto crossings = recorder.crossings();
+    ASSERT_EQ(crossings.size(), 2u);
+    EXPECT_EQ(crossings[0].velocity, m.velocity_start);
+    EXPECT_EQ(crossings[0].energy, 62.5e3);
+    EXPECT_EQ(crossings[0].spin, 1.0);
+    EXPECT_EQ(crossings[1].velocity, m.velocity_end);
+    EXPECT_EQ(crossings[1].energy, 54.5e3 + 1e3);
+    EXPECT_EQ(crossings[1].spin, 2.0);
+}
+
 }  // namespace
 }  // namespace scree

@@ -72,6 +72,8 @@ struct MotionSegment {
     double rotation_energy_start = 0.0;  ///< [J]
     double rotation_energy_end = 0.0;    ///< [J]
     bool in_contact = false;
+    bool struck =
+        false;  ///< an impulse lies somewhere in it (moreau_jean): the block never had the velocities between both ends
 };
 
 /// Takes the motion as it is computed, in order of time.
