@@ -31,7 +31,7 @@ namespace {
 std::string bound_text(double value) {
     std::ostringstream s;
     s.precision(6);
-    constexpr double kMostDigits = 1e16;  // of a whole number that is no power of ten as people write it
+    constexpr double kMostDigits = 1e16;  // beyond, not every digit is known
     if (value == std::floor(value) && std::abs(value) < kMostDigits) s << std::fixed << std::setprecision(0);
     s << value;
     return s.str();
