@@ -216,6 +216,11 @@ void print_warnings(const Context& context, const std::vector<std::string>& warn
     }
 }
 
+void require_free_results(const Context& context, const SiteFile& site, const std::filesystem::path& folder) {
+    gis::require_free_results_folder(folder, context.overwrite);
+    gis::require_input_elsewhere(folder, site.file);
+}
+
 void warn_of_partial_results(const Context& context, const std::filesystem::path& folder) {
     namespace fs = std::filesystem;
     std::error_code ignored;

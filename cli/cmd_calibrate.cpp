@@ -85,8 +85,7 @@ ExitCode run_calibrate(const Context& context) {
     const SiteFile site = context.read_site();
     fs::path folder = context.results_folder(site);
     if (context.output.empty()) folder += "_calibrate";
-    gis::require_free_results_folder(folder, context.overwrite);
-    gis::require_input_elsewhere(folder, site.file);
+    require_free_results(context, site, folder);
     require_no_journal(context, journal_path(folder));
     CalibrationReport report;
     report.before = report.after = site;

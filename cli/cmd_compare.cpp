@@ -68,8 +68,7 @@ ExitCode run_compare(const Context& context) {
     const SiteFile site = context.read_site();
     fs::path folder = context.results_folder(site);
     if (context.output.empty()) folder += "_compare";
-    gis::require_free_results_folder(folder, context.overwrite);
-    gis::require_input_elsewhere(folder, site.file);
+    require_free_results(context, site, folder);
     warn_of_partial_results(context, folder);
     SiteModel model = load_site(site);
     const ObservedSite observed = load_observed(site, model, context.observed);

@@ -245,8 +245,7 @@ ExitCode run_diagnose(const Context& context) {
     const SiteFile& site = study.site;
     fs::path folder = context.results_folder(site);
     if (context.output.empty()) folder += context.plan ? "_plan" : "_diagnose";
-    gis::require_free_results_folder(folder, context.overwrite);
-    gis::require_input_elsewhere(folder, site.file);
+    require_free_results(context, site, folder);
     std::vector<std::string> free = context.free.empty() ? site.settings.calibration.free : context.free;
     if (free.empty()) free = usual_free_keys(site);
     study.keys = read_free_keys(site, free);

@@ -121,8 +121,7 @@ ExitCode run_profile(const Context& context) {
     const SiteFile site = context.read_site();
     fs::path folder = context.results_folder(site);
     if (context.output.empty()) folder += "_profile";
-    gis::require_free_results_folder(folder, context.overwrite);
-    gis::require_input_elsewhere(folder, site.file);
+    require_free_results(context, site, folder);
     warn_of_partial_results(context, folder);
     const SiteTerrain terrain = load_terrain(site);
     SiteProfiles profiles = trace_site_profiles(site, terrain);

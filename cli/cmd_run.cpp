@@ -128,8 +128,7 @@ void print_summary(std::ostream& out, const SiteModel& model, const CampaignResu
 ExitCode run_run(const Context& context) {
     const SiteFile site = context.read_site();
     const fs::path folder = context.results_folder(site);
-    gis::require_free_results_folder(folder, context.overwrite);
-    gis::require_input_elsewhere(folder, site.file);
+    require_free_results(context, site, folder);
     warn_of_partial_results(context, folder);
     SiteModel model = load_site(site);
     gis::require_inputs_elsewhere(folder, model.files);

@@ -272,8 +272,7 @@ ExitCode run_sweep(const Context& context) {
         }
     fs::path folder = context.results_folder(site);
     if (context.output.empty()) folder += "_sweep";
-    gis::require_free_results_folder(folder, context.overwrite);
-    gis::require_input_elsewhere(folder, site.file);
+    require_free_results(context, site, folder);
     const SiteModel model = load_site(site);
     const ObservedSite observed = load_observed(site, model, context.observed);
     gis::require_inputs_elsewhere(folder, model.files);

@@ -72,8 +72,7 @@ ExitCode run_terrain(const Context& context) {
     const SiteFile site = context.read_site();
     std::filesystem::path folder = context.results_folder(site);
     if (context.output.empty()) folder += "_terrain";
-    gis::require_free_results_folder(folder, context.overwrite);
-    gis::require_input_elsewhere(folder, site.file);
+    require_free_results(context, site, folder);
     warn_of_partial_results(context, folder);
     const SiteTerrain terrain = load_terrain(site);
     const std::vector<gis::InputFile> inputs = gis::input_files(terrain_inputs(site, terrain));

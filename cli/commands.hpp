@@ -63,6 +63,8 @@ void print_warnings(const Context& context, const std::vector<std::string>& warn
 struct ObservedSite;
 /// Prints what the audit of measurements found; true if it stops here.
 bool print_findings(const Context& context, const ObservedSite& observed);
+/// Throws InputError if results cannot go to the folder, or would replace what is there untold, or the site file itself.
+void require_free_results(const Context& context, const SiteFile& site, const std::filesystem::path& folder);
 /// Names unfinished folders of results beside this one. They are not removed: they could belong to a run on another machine.
 void warn_of_partial_results(const Context& context, const std::filesystem::path& folder);
 

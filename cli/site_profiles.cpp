@@ -150,10 +150,13 @@ SiteProfiles trace_site_profiles(const SiteFile& site, const SiteTerrain& terrai
                                   std::string(kProfileModeNames[static_cast<std::size_t>(s.profile_mode)]) +
                                   "\": its lines begin where they were drawn");
     ProfileTracer tracer(terrain.without_berms ? *terrain.without_berms : *terrain.surface, profile_settings(s));
+    const bool starts_are_releases = free && s.profile_start.file.empty();
     const FeatureLayer release =
-        read_site_layer(site, s.release, "release",
-                        {GeometryKind::Polygon, GeometryKind::LineString, GeometryKind::Point}, terrain)
-            .layer;
+        starts_are_releases
+            ? FeatureLayer{}
+            : read_site_layer(site, s.release, "release",
+                              {GeometryKind::Polygon, GeometryKind::LineString, GeometryKind::Point}, terrain)
+                  .layer;
     const Region releases = areas_of(std::array{&release, &std::as_const(out.features.layer)});
     if (free)
         trace_from_starts(s, terrain, releases, tracer, out);

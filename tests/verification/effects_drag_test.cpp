@@ -265,7 +265,7 @@ TEST(EffectDragOfPolygons, DoesNotDependOnTheStep) {
         int count;
         double share;  ///< of what drag takes from the way, by which two steps may differ
     };
-    // by drag in all of a step that ends a touch 0.3; of soft landings, too, 1.1
+    // by drag in all of a step that ends a touch: 0.3 of the first case; of soft landings, too: more than the share of the second
     for (const Case& c :
          {Case{10, 36 * kDegree, 10.0, 4.0, 5.0, 400, 0.1}, Case{100, 35 * kDegree, 0.0, 2.0, 2.5, 100, 0.1}}) {
         const std::vector<Vec3> points{{0, 0, 0}, {400 * std::cos(c.slope), 0, -400 * std::sin(c.slope)}};
