@@ -4,11 +4,6 @@
 #include "cli/json.hpp"
 #include "scree/base/error.hpp"
 
-#include <fcntl.h>
-#include <sys/file.h>
-#include <unistd.h>
-
-#include <cerrno>
 #include <sstream>
 
 namespace scree::cli {
@@ -50,7 +45,7 @@ CalibrationEvaluation evaluation_of(const Json& json) {
 }  // namespace
 
 JournalFile::JournalFile(std::filesystem::path file, const std::string& subject, bool resume) : file_(std::move(file)) {
-    lock_.hold(file_);
+    lock_.hold(file_, "another calibration");
     if (resume) read(subject);
     std::error_code error;  // of the folder it does not matter: what does is whether the file can be written then
     if (file_.has_parent_path()) std::filesystem::create_directories(file_.parent_path(), error);
@@ -67,22 +62,7 @@ JournalFile::JournalFile(std::filesystem::path file, const std::string& subject,
     }
     std::filesystem::rename(draft, file_, error);
     if (error) throw ComputeError(file_.string() + " cannot be written: " + error.message());
-    lock_.hold(file_);
-}
-
-JournalFile::Lock::~Lock() {
-    if (descriptor_ >= 0) ::close(descriptor_);
-}
-
-void JournalFile::Lock::hold(const std::filesystem::path& file) {
-    const int descriptor = ::open(file.c_str(), O_RDONLY | O_CLOEXEC);
-    if (descriptor >= 0 && ::flock(descriptor, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK) {
-        ::close(descriptor);
-        throw InputError(file.string() +
-                         " is being written by another calibration: wait for it, or choose another --output");
-    }
-    if (descriptor_ >= 0) ::close(descriptor_);
-    descriptor_ = descriptor;
+    lock_.hold(file_, "another calibration");
 }
 
 bool JournalFile::is_one(const std::filesystem::path& file) {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include "cli/file_lock.hpp"
 #include "scree/inference/calibration.hpp"
 
 #include <filesystem>
@@ -29,27 +30,13 @@ public:
     void remove();
 
 private:
-    /// A file held against other programs as long as this lives, or the program; where it is absent, or its file system knows no locks, nothing is.
-    class Lock {
-    public:
-        Lock() = default;
-        ~Lock();
-        Lock(const Lock&) = delete;
-        Lock& operator=(const Lock&) = delete;
-        /// Lets go of the one before. Throws InputError if another program holds the file.
-        void hold(const std::filesystem::path& file);
-
-    private:
-        int descriptor_ = -1;
-    };
-
     void read(const std::string& subject);
     void check() const;
 
     std::filesystem::path file_;
     std::ofstream out_;
     std::size_t written_ = 0;
-    Lock lock_;
+    FileLock lock_;
 };
 
 }  // namespace scree::cli

@@ -38,7 +38,13 @@ void get_all(std::istream& in, std::vector<T>& values, std::size_t count) {
 }  // namespace
 
 SimulationStore::SimulationStore(fs::path folder, std::string subject)
-    : folder_(std::move(folder)), subject_(std::move(subject)) {}
+    : folder_(std::move(folder)), subject_(std::move(subject)) {
+    hold();
+}
+
+void SimulationStore::hold() {
+    lock_.hold(folder_, "another diagnosis");
+}
 
 fs::path SimulationStore::file_of(const std::string& words) const {
     return folder_ / (gis::sha256_of_text(subject_ + "\n" + words).substr(0, 32) + ".table");
@@ -64,6 +70,7 @@ std::optional<ObservationTable> SimulationStore::find(const std::string& words) 
 void SimulationStore::keep(const std::string& words, const ObservationTable& table) {
     std::error_code ignored;
     fs::create_directories(folder_, ignored);
+    if (!lock_.holds()) hold();
     const fs::path file = file_of(words), draft = file.string() + ".part";
     {
         std::ofstream out(draft, std::ios::binary);
@@ -91,6 +98,7 @@ void SimulationStore::remove() {
             own.push_back(entry.path());
     }
     for (const fs::path& file : own) fs::remove(file, ignored);
+    lock_.release();
     fs::remove(folder_, ignored);  // unless somebody keeps other things there
 }
 

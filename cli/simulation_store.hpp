@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include "cli/file_lock.hpp"
 #include "scree/inference/observation.hpp"
 
 #include <cstdint>
@@ -16,6 +17,7 @@ namespace scree::cli {
 class SimulationStore {
 public:
     /// `subject`: all that the simulations depend on beside those words. Nothing is read before it is asked for; the folder appears with the first file.
+    /// Throws InputError if another diagnosis writes there, then or, where it began at the same time, with the first file.
     SimulationStore(std::filesystem::path folder, std::string subject);
 
     std::optional<ObservationTable> find(const std::string& words) const;
@@ -29,9 +31,11 @@ public:
 
 private:
     std::filesystem::path file_of(const std::string& words) const;
+    void hold();
 
     std::filesystem::path folder_;
     std::string subject_;
+    FileLock lock_;
 };
 
 }  // namespace scree::cli

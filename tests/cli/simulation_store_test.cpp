@@ -2,14 +2,18 @@
 #include "cli/simulation_store.hpp"
 
 #include "cli/results.hpp"
+#include "scree/base/error.hpp"
 #include "support/paths.hpp"
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 namespace scree::test {
 namespace {
 
 namespace fs = std::filesystem;
+using testing::HasSubstr;
+using testing::ThrowsMessage;
 
 ObservationTable table_of_two() {
     ObservationTable table;
@@ -37,10 +41,28 @@ TEST(SimulationStore, GivesBackWhatItKeeps) {
     EXPECT_EQ(found->values[1], table.values[1]);
 
     EXPECT_FALSE(store.find("other words"));
-    EXPECT_FALSE(cli::SimulationStore(folder / "journal", "another study").find("baseline"));
     store.remove();
     EXPECT_FALSE(fs::exists(store.folder()));
     EXPECT_FALSE(store.find("baseline"));
+}
+
+TEST(SimulationStore, DoesNotFindWhatAnotherStudyKept) {
+    const TempDir folder;
+    cli::SimulationStore(folder / "journal", "this study").keep("baseline", table_of_two());
+    EXPECT_FALSE(cli::SimulationStore(folder / "journal", "another study").find("baseline"));
+    EXPECT_TRUE(cli::SimulationStore(folder / "journal", "this study").find("baseline")) << "the other one is gone";
+}
+
+TEST(SimulationStore, IsOfOneDiagnosisAtATime) {
+    const TempDir folder;
+    cli::SimulationStore first(folder / "journal", "this study"), second(folder / "journal", "this study");
+    first.keep("baseline", table_of_two());
+    const auto refused = ThrowsMessage<InputError>(HasSubstr("is being written by another diagnosis: wait for it"));
+    EXPECT_THAT([&] { second.keep("baseline", table_of_two()); }, refused) << "both had begun";
+    EXPECT_THAT([&] { cli::SimulationStore(folder / "journal", "another study"); }, refused);
+    first.remove();
+    second.keep("baseline", table_of_two());
+    EXPECT_TRUE(second.find("baseline")) << "whoever has done its work lets go";
 }
 
 TEST(SimulationStore, RemovesNothingOfOthers) {
