@@ -268,7 +268,7 @@ ExitCode run_diagnose(const Context& context) {
     print_warnings(context, observed.warnings);
     std::vector<std::string> suspicious;  // told at the end, too, but a user may want to mend them before it begins
     for (const Finding& f : observed.findings)
-        if (f.severity == Severity::Warning) suspicious.push_back(f.sentence);
+        if (f.severity == Severity::Warning) suspicious.push_back(context.observed + ": " + f.sentence);
     print_warnings(context, suspicious);
     require_enough_blocks(context, observed);
     require_something_to_fit(context, observed);

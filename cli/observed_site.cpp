@@ -198,7 +198,8 @@ void match_campaign(const SiteFile& site, const ObservedSite& observed, Campaign
 bool print_findings(const Context& context, const ObservedSite& observed) {
     print_warnings(context, observed.warnings);
     for (const Finding& f : observed.findings)
-        *context.err << (f.severity == Severity::Error ? "error: " : "warning: ") << f.sentence << "\n";
+        *context.err << (f.severity == Severity::Error ? "error: " : "warning: ") << context.observed << ": "
+                     << f.sentence << "\n";
     return observed.has_errors();
 }
 

@@ -62,29 +62,37 @@ private:
             });
     }
 
-    /// Bars along the top where the profile lies in an area.
+    /// Bars along the top where the profile lies in an area, with their names where there is room.
     void stretches(const std::vector<DrawnArea>& areas, const std::string& colour, double depth,
                    const std::string& name) {
+        std::vector<std::pair<Stretch, std::string>> all;
+        for (const DrawnArea& area : areas)
+            for (const Stretch& s : profile_.inside(area.polygons))
+                all.emplace_back(s, name.empty() ? area.name : name);
+        std::sort(all.begin(), all.end(), [](const auto& a, const auto& b) { return a.first.from < b.first.from; });
         const double y = panel_.pixels.min.y() + depth;
-        for (const DrawnArea& area : areas) {
-            for (const Stretch& s : profile_.inside(area.polygons)) {
-                const double from = panel_.at({s.from, 0.0}).x(), to = panel_.at({s.to, 0.0}).x();
-                svg_.segment({from, y}, {to, y}, {.stroke = colour, .width = 4.0});
-                for (const double end : {from, to})
-                    svg_.segment({end, y - 5.0}, {end, y + 5.0}, {.stroke = colour, .width = 1.2});
-                const bool left = to - from < 60.0 && to > panel_.pixels.max.x() - 80.0;
-                svg_.text({left               ? from - 4.0
-                           : to - from < 60.0 ? to + 4.0
-                                              : 0.5 * (from + to),
-                           y + (to - from < 60.0 ? 4.0 : -6.0)},
-                          name.empty() ? area.name : name,
-                          {.size = 11.0,
-                           .anchor = left               ? "end"
-                                     : to - from < 60.0 ? "start"
-                                                        : "middle",
-                           .colour = colour,
-                           .halo = true});
-            }
+        double named = -kInfinity;  // where the last name ends [pixel]
+        for (const auto& [s, text] : all) {
+            const double from = panel_.at({s.from, 0.0}).x(), to = panel_.at({s.to, 0.0}).x();
+            svg_.segment({from, y}, {to, y}, {.stroke = colour, .width = 4.0});
+            for (const double end : {from, to})
+                svg_.segment({end, y - 5.0}, {end, y + 5.0}, {.stroke = colour, .width = 1.2});
+            const double width = 7.0 * static_cast<double>(text.size());
+            const bool beside = to - from < 60.0, left = beside && to > panel_.pixels.max.x() - 80.0;
+            const double at = left ? from - 4.0 - width : beside ? to + 4.0 : 0.5 * (from + to - width);
+            if (at < named) continue;
+            named = at + width;
+            svg_.text({left     ? at + width
+                       : beside ? at
+                                : at + 0.5 * width,
+                       y + (beside ? 4.0 : -6.0)},
+                      text,
+                      {.size = 11.0,
+                       .anchor = left     ? "end"
+                                 : beside ? "start"
+                                          : "middle",
+                       .colour = colour,
+                       .halo = true});
         }
     }
 

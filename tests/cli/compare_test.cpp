@@ -211,9 +211,9 @@ TEST(Compare, StopsAtMeasurementsThatCannotBe) {
         "6670040,EPSG:2154\nQ9,890081,6670040,EPSG:2154\n");
     const Outcome run = compare(folder / "stops.csv", folder / "out");
     EXPECT_EQ(run.code, 3);
-    EXPECT_THAT(run.err, HasSubstr("error: 1 stop lies off the DTM or over a hole in it (A02)"));
-    EXPECT_THAT(run.err, HasSubstr("error: 1 block_id has more than one stop (A01)"));
-    EXPECT_THAT(run.err, HasSubstr("error: 1 of 3 measured blocks (Q9) have no mass_kg"));
+    EXPECT_THAT(run.err, HasSubstr("stops.csv: 1 stop lies off the DTM or over a hole in it (A02)"));
+    EXPECT_THAT(run.err, HasSubstr("stops.csv: 1 block_id has more than one stop (A01)"));
+    EXPECT_THAT(run.err, HasSubstr("stops.csv: 1 of 3 measured blocks (Q9) have no mass_kg"));
     EXPECT_THAT(run.out, IsEmpty());
     EXPECT_EQ(contents_of(folder.path()).size(), 1U) << "nothing is written";
 

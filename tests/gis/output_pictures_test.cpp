@@ -162,6 +162,26 @@ TEST(ProfilePicture, SaysWhatItShows) {
     EXPECT_THAT(plan, Not(HasSubstr("Chainage")));
 }
 
+TEST(ProfilePicture, NamesAreasWhereThereIsRoom) {
+    const Grid<double> grid = slope(-0.5, 0.0);
+    const std::vector<Vec3> points{{0, 50, 0}, {80, 50, -40}};
+    const std::vector<SoilId> soil{0};
+    const Profile profile = make_profile(points, soil);
+    gis::ProfileScene scene;
+    scene.heights = &grid;
+    scene.soils = {"scree"};
+    scene.profiles = {{"1", "", &profile, {false}, 0.0}};
+    auto zone = [](const char* name, double from) {
+        return gis::DrawnArea{name, {Polygon{{{from, 40}, {from + 1.0, 40}, {from + 1.0, 60}, {from, 60}}, {}}}};
+    };
+    scene.deposit_zones = {zone("behind", 42), zone("the first", 10), zone("the last", 40)};
+    const std::string picture = gis::profile_picture(scene, 0);
+    const std::string section = picture.substr(picture.find("Height [m]"));
+    EXPECT_THAT(section, HasSubstr("the first"));
+    EXPECT_THAT(section, HasSubstr("the last"));
+    EXPECT_THAT(section, Not(HasSubstr("behind"))) << "its place is taken by the one before it";
+}
+
 TEST(RunPicture, DrawsPanelsOverTheSameChainages) {
     const std::vector<Vec3> points{{0, 50, 0}, {40, 50, -20}, {80, 50, -40}};
     const std::vector<SoilId> soil{1, 0};
