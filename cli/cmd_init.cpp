@@ -19,6 +19,7 @@ name = "My site"
 dtm = "data/dtm.tif"            # heights in metres in a projected CRS: any raster that GDAL reads
 resolution = 1.0                # [m] cell of the model; 0 keeps the DTM's own
 surface = "grid"                # grid | tin
+diagonals = "by_relief"         # how cells are parted into facets: by_relief | alike, which gives rough ground a grain
 
 # One [[soil]] per kind of ground. Starting values are those of the quarry of Bourrier & Acary (2022): calibrate your own.
 [[soil]]
