@@ -210,7 +210,7 @@ TEST(Init, WritesASiteThatOnlyLacksItsData) {
     const Outcome made = scree_program({"init", (folder / "new site").string()});
     EXPECT_EQ(made.code, 0) << made.err;
     EXPECT_THAT(made.out, HasSubstr("scree check"));
-    EXPECT_NO_THROW(cli::read_site_file(file, {}));
+    EXPECT_EQ(cli::read_site_file(file, {}).settings.diagonals, DiagonalRule::ByRelief) << "no grain on rough ground";
     const Outcome checked = scree_program({"check", file});
     EXPECT_EQ(checked.code, 3);
     EXPECT_THAT(checked.err, HasSubstr("dtm.tif"));
@@ -220,6 +220,16 @@ TEST(Init, WritesASiteThatOnlyLacksItsData) {
     EXPECT_EQ(again.code, 3);
     EXPECT_THAT(again.err, HasSubstr("exists already"));
     EXPECT_EQ(text_of(file), before);
+}
+
+// Cells of 3 m do not fit into 160 m: the model is narrower than the DTM.
+TEST(Check, TellsTheExtentOfTheDtmAndOfTheModel) {
+    const Outcome run = scree_program({"check", (quarry_a() / "site.toml").string(), "--set", "terrain.resolution=3"});
+    ASSERT_EQ(run.code, 0) << run.err;
+    const auto model = run.out.find("model  ");
+    ASSERT_NE(model, std::string::npos);
+    EXPECT_THAT(run.out.substr(0, model), HasSubstr("easting 890000.0 to 890160.0"));
+    EXPECT_THAT(run.out.substr(model), HasSubstr("easting 890000.0 to 890159.0"));
 }
 
 TEST(Init, CheckPassesOnceTheDataAreThere) {
