@@ -141,7 +141,6 @@ CalibratedModel DiagnosedModels::calibrated(const std::string& name, const std::
     const CalibrationLoss loss(GapFunction(in_.observed.observations, in_.observed.op));
     loss.describe(problem);
     std::error_code ignored;
-    std::filesystem::create_directories(in_.store.folder(), ignored);
     const auto file = in_.store.file(name + ".jsonl");
     JournalFile journal(file, journal_subject(name), std::filesystem::exists(file, ignored));
     CalibrationJournal all = std::move(journal.journal);

@@ -15,6 +15,8 @@ namespace {
 
 static_assert(std::endian::native == std::endian::little);
 
+constexpr const char* kOther = "another diagnosis";
+
 template <class T>
 void put(std::ostream& out, const T& value) {
     out.write(reinterpret_cast<const char*>(&value), sizeof value);
@@ -39,11 +41,18 @@ void get_all(std::istream& in, std::vector<T>& values, std::size_t count) {
 
 SimulationStore::SimulationStore(fs::path folder, std::string subject)
     : folder_(std::move(folder)), subject_(std::move(subject)) {
-    hold();
+    lock_.hold(folder_, kOther);
 }
 
-void SimulationStore::hold() {
-    lock_.hold(folder_, "another diagnosis");
+void SimulationStore::make_folder() {
+    std::error_code ignored;  // whatever is written there says so
+    fs::create_directories(folder_, ignored);
+    if (!lock_.holds()) lock_.hold(folder_, kOther);
+}
+
+fs::path SimulationStore::file(const std::string& name) {
+    make_folder();
+    return folder_ / name;
 }
 
 fs::path SimulationStore::file_of(const std::string& words) const {
@@ -68,9 +77,7 @@ std::optional<ObservationTable> SimulationStore::find(const std::string& words) 
 }
 
 void SimulationStore::keep(const std::string& words, const ObservationTable& table) {
-    std::error_code ignored;
-    fs::create_directories(folder_, ignored);
-    if (!lock_.holds()) hold();
+    make_folder();
     const fs::path file = file_of(words), draft = file.string() + ".part";
     {
         std::ofstream out(draft, std::ios::binary);

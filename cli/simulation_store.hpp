@@ -22,8 +22,8 @@ public:
 
     std::optional<ObservationTable> find(const std::string& words) const;
     void keep(const std::string& words, const ObservationTable& table);
-    /// A file for other use, under the same folder.
-    std::filesystem::path file(const std::string& name) const { return folder_ / name; }
+    /// A file for other use, in the same folder, which is there then.
+    std::filesystem::path file(const std::string& name);
     const std::filesystem::path& folder() const { return folder_; }
     const std::string& subject() const { return subject_; }
     /// All that it has kept, and the folder, if nothing else is in it.
@@ -31,7 +31,8 @@ public:
 
 private:
     std::filesystem::path file_of(const std::string& words) const;
-    void hold();
+    /// Makes the folder, and holds it against other diagnoses.
+    void make_folder();
 
     std::filesystem::path folder_;
     std::string subject_;

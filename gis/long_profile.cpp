@@ -10,6 +10,7 @@ namespace scree::gis {
 namespace {
 
 constexpr double kLeastSection = 200.0;  // [pixel] lowest long profile
+constexpr double kLetter = 7.0;          // [pixel] width of a letter in it, to see where there is room
 
 class Section {
 public:
@@ -77,22 +78,15 @@ private:
             svg_.segment({from, y}, {to, y}, {.stroke = colour, .width = 4.0});
             for (const double end : {from, to})
                 svg_.segment({end, y - 5.0}, {end, y + 5.0}, {.stroke = colour, .width = 1.2});
-            const double width = 7.0 * static_cast<double>(text.size());
             const bool beside = to - from < 60.0, left = beside && to > panel_.pixels.max.x() - 80.0;
-            const double at = left ? from - 4.0 - width : beside ? to + 4.0 : 0.5 * (from + to - width);
-            if (at < named) continue;
-            named = at + width;
-            svg_.text({left     ? at + width
-                       : beside ? at
-                                : at + 0.5 * width,
-                       y + (beside ? 4.0 : -6.0)},
-                      text,
-                      {.size = 11.0,
-                       .anchor = left     ? "end"
-                                 : beside ? "start"
-                                          : "middle",
-                       .colour = colour,
-                       .halo = true});
+            const double x = left ? from - 4.0 : beside ? to + 4.0 : 0.5 * (from + to);
+            const std::string anchor = left ? "end" : beside ? "start" : "middle";
+            const double width = kLetter * static_cast<double>(text.size());
+            const double begins = x - (left ? width : beside ? 0.0 : 0.5 * width);
+            if (begins < named) continue;
+            named = begins + width;
+            svg_.text({x, y + (beside ? 4.0 : -6.0)}, text,
+                      {.size = 11.0, .anchor = anchor, .colour = colour, .halo = true});
         }
     }
 
@@ -105,7 +99,7 @@ private:
             std::size_t row = 0;
             while (row < row_end.size() && row_end[row] > x) ++row;
             if (row == row_end.size()) row_end.push_back(0.0);
-            row_end[row] = x + 7.0 * static_cast<double>(text.size());
+            row_end[row] = x + kLetter * static_cast<double>(text.size());
             const double top = panel_.pixels.min.y() + 48.0 + 15.0 * static_cast<double>(row);
             svg_.segment({x, top}, {x, panel_.pixels.max.y()},
                          {.stroke = kScreenColour, .width = 1.3, .dashes = "6 3"});

@@ -56,7 +56,7 @@ TEST(SimulationStore, DoesNotFindWhatAnotherStudyKept) {
 TEST(SimulationStore, IsOfOneDiagnosisAtATime) {
     const TempDir folder;
     cli::SimulationStore first(folder / "journal", "this study"), second(folder / "journal", "this study");
-    first.keep("baseline", table_of_two());
+    first.file("calibration.jsonl");  // before anything else is simulated
     const auto refused = ThrowsMessage<InputError>(HasSubstr("is being written by another diagnosis: wait for it"));
     EXPECT_THAT([&] { second.keep("baseline", table_of_two()); }, refused) << "both had begun";
     EXPECT_THAT([&] { cli::SimulationStore(folder / "journal", "another study"); }, refused);

@@ -193,7 +193,6 @@ TEST(ResultsFolder, AnEarlierResultIsReplacedOnlyWhenTold) {
         << "files of the earlier result are gone, and so is the temporary folder";
 }
 
-// Anybody may keep a list of hashes beside data.
 // Two runs to one new folder: the second one to end keeps its result beside that of the first.
 TEST(ResultsFolder, AResultWrittenMeanwhileIsNotReplaced) {
     const test::TempDir dir;
@@ -227,6 +226,7 @@ TEST(Results, AnInterruptWaitsUntilTheyAreWhole) {
     EXPECT_TRUE(fs::exists(dir / "out" / kChecksumFile));
 }
 
+// Anybody may keep a list of hashes beside data.
 TEST(ResultsFolder, AListOfHashesAloneIsNoResult) {
     const test::TempDir dir;
     fs::create_directory(dir / "lidar");
