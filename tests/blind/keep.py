@@ -24,7 +24,7 @@ def condensed(found):
     result = json.loads(found.read_text())
     kept = {key: result[key] for key in KEPT if key in result}
     kept["effects"] = [{key: effect.get(key) for key in ("effect", "form", "z", "weight", "left_over", "left_over_p")} for effect in result["effects"]]
-    kept["global_test"] = {"p": result.get("global_test", {}).get("p")}
+    kept["global_test"] = {key: result.get("global_test", {}).get(key) for key in ("q", "p")}
     kept["baseline"] = {"held_out_loss": result.get("baseline", {}).get("held_out_loss")}
     return json.dumps(kept, separators=(",", ":")).encode()
 

@@ -2,11 +2,11 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Opens the sealed truths of blind cases, checks their hashes, and scores what `scree diagnose` found.
 
-Usage: score.py FOLDER [--table FILE] [--picture FILE]
+Usage: score.py FOLDER... [--table FILE] [--picture FILE]
 
 Prints rates with their 95 % intervals (Wilson), of all cases and of those with 50 blocks, power by delta, of all effects together and of each, and a confusion
-matrix; a case that the program refused counts as one in which nothing was detected. --table writes one line per case, --picture draws the power curve (needs python3-matplotlib). FOLDER/settled.csv, if there is one, has deltas that were taken
-again (of test-H).
+matrix; a case that the program refused counts as one in which nothing was detected. --table writes one line per case, --picture draws the power curve (needs python3-matplotlib). Several folders are scored as one run. FOLDER/settled.csv, if there is one,
+has deltas that were taken again (of test-H).
 """
 import argparse
 import collections
@@ -84,7 +84,7 @@ def read(folder):
         judged = next((a for a in answer if any(a["effect"] in f for f in families)), answer[0] if answer else {})
         deltas = [settled.get((truth["case"], h["name"]), h["delta"]) for h in truth["hidden"] if h["delta"] is not None]
         cases.append({
-            "case": truth["case"], "tier": truth["tier"], "slope": truth["slope"], "n": truth["n"], "ids": truth["ids"],
+            "run": folder.resolve().name, "case": truth["case"], "tier": truth["tier"], "slope": truth["slope"], "n": truth["n"], "ids": truth["ids"],
             "instruments": "+".join(truth["instruments"]), "hidden": " and ".join(h["name"] for h in truth["hidden"]) or "nothing",
             "delta": max(deltas, default=None), "least_delta": min(deltas, default=None), "verdict": result["verdict"],
             "names": (" and " if together else " or ").join(names), "taken_back": taken_back,
@@ -158,11 +158,15 @@ def picture(cases, file):
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("folder", type=Path)
+    parser.add_argument("folder", type=Path, nargs="+")
     parser.add_argument("--table", type=Path)
     parser.add_argument("--picture", type=Path)
     args = parser.parse_args()
-    cases, missing = read(args.folder)
+    cases, missing = [], []
+    for folder in args.folder:
+        found, absent = read(folder)
+        cases += found
+        missing += [f"{folder.resolve().name}/{name}" if len(args.folder) > 1 else name for name in absent]
     if args.picture:
         picture(cases, args.picture)
     if args.table:
@@ -191,12 +195,13 @@ def main():
     def strong(c):
         return c["tier"] in (0, 1) and c["delta"] is not None and c["delta"] >= 4.5
     print(f"{len(cases)} cases, of which nothing hidden in {sum(c['tier'] == 5 for c in cases)}")
-    if settled := taken_again(args.folder):
-        print(f"deltas that were taken again: of {len({case for case, _ in settled})} cases; on record for the others: up to "
-              f"{max((c['delta'] for c in cases if c['delta'] is not None and (c['case'], c['hidden'].split(' and ')[0]) not in settled), default=0.0):.2f}")
+    for folder in args.folder:
+        if settled := taken_again(folder):
+            others = [c["delta"] for c in cases if c["run"] == folder.resolve().name and c["delta"] is not None and (c["case"], c["hidden"].split(" and ")[0]) not in settled]
+            print(f"deltas that were taken again: of {len({case for case, _ in settled})} cases; on record for the others: up to {max(others, default=0.0):.2f}")
     if missing:
         print(f"not found, or their truths are not here, and in none of the rates: {len(missing)} ({', '.join(missing)})")
-    if refused := [f"{c['case']:04d}" for c in cases if c["verdict"] == "REFUSED"]:
+    if refused := [f"{c['run']}/{c['case']:04d}" if len(args.folder) > 1 else f"{c['case']:04d}" for c in cases if c["verdict"] == "REFUSED"]:
         print(f"refused, and counted as nothing detected: {len(refused)} ({', '.join(refused)})")
     print(f"\n{'':<45}{'all cases (95 % interval)':<28}50 blocks")
     print("false alarms where nothing is hidden        ", rate(lambda c: c["tier"] == 5, detected))

@@ -89,7 +89,10 @@ def main():
         sys.argv = ["score.py", name]
         with redirect_stdout(io.StringIO()) as out:
             score.main()
-    said = out.getvalue()
+        sys.argv.append(name)  # two runs as one
+        with redirect_stdout(io.StringIO()) as out_of_two:
+            score.main()
+    said, of_two = out.getvalue(), out_of_two.getvalue()
     for start, hits, n in (("false alarms", 3, 4), ("wrong name where nothing is hidden", 1, 4), ("wrong name, all", 5, 25),
                            ("a single printed name is right", 8, 11), ("  where the catalogue has", 8, 10), ("  of a fault", 2, 2),
                            ("  of the third dimension", 1, 1), ("  of an effect on blocks", 5, 8), ("truth among the names", 8, 11), ("truth in a printed group", 1, 2),
@@ -101,6 +104,8 @@ def main():
                            ("place within", 1, 1)):
         assert line(said, start)[0] == score.share(hits, n), f"{start}: {line(said, start)[0]} is said, {hits} of {n} is right\n{said}"
     assert line(said, "false alarms")[1] == score.share(2, 3), said  # the case of 30 blocks is not among them
+    assert line(of_two, "false alarms")[0] == score.share(6, 8), of_two
+    assert f"refused, and counted as nothing detected: 2 ({folder.resolve().name}/0020, {folder.resolve().name}/0020)" in of_two, of_two
     for words in ("25 cases, of which nothing hidden in 4", "in none of the rates: 1 (0019)", "counted as nothing detected: 1 (0020)", "median error        2.0 m of 1",
                   f"  2.50 to 3.75  {score.share(5, 5):<28}{score.share(5, 5):<28}{score.share(3, 5)}"):
         assert words in said, f"{words}\n{said}"

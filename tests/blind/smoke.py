@@ -4,6 +4,7 @@
 
 Usage: smoke.py SCREE
 """
+import csv
 import json
 import shutil
 import subprocess
@@ -49,6 +50,9 @@ def main():
         print(said)
         checked = run("checks.py", sys.argv[1], folder, "--cases", "1")
         assert "shuffled: the same diagnosis in 1 of 1" in checked, checked
+        run("truths.py", sys.argv[1], folder)
+        left = list(csv.DictReader((Path(folder) / "truths.csv").open()))
+        assert [row["case"] for row in left] == ["0001"] and float(left[0]["q_truth"]) > 0.0 and float(left[0]["q_without"]) > 0.0, left
         kept = Path(folder) / "kept"
         run("keep.py", str(kept), folder)
         shutil.unpack_archive(kept / "run.tar.xz", kept)
