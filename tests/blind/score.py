@@ -218,6 +218,7 @@ def main():
     for words, instruments in (("stops and speeds", "stops+speed"), ("heights, spins", "stops+speed+height+spin"),
                                ("heights, spins, impacts", "stops+speed+height+spin+impacts")):
         print(f"best of detected is right, {words:<18}", rate(lambda c: physical(c) and detected(c) and c["instruments"] == instruments, lambda c: c["top"]))
+    print("  of all instruments, delta of 3.75 and more", rate(lambda c: physical(c) and detected(c) and c["delta"] >= 3.75, lambda c: c["top"]))
     print("outside the catalogue: wrong name           ", rate(lambda c: c["tier"] == 3, named))
     print("outside, detected: wrong name               ", rate(lambda c: c["tier"] == 3 and detected(c), named))
     print("outside, detected: UNKNOWN or GROUP         ", rate(lambda c: c["tier"] == 3 and detected(c), lambda c: c["verdict"] in ("UNKNOWN", "GROUP")))

@@ -83,7 +83,7 @@ def main():
             with open(table, "w", newline="", encoding="utf-8") as out:
                 writer = csv.DictWriter(out, COLUMNS, lineterminator="\n")
                 writer.writeheader()
-                writer.writerows(rows)
+                writer.writerows(sorted(rows, key=lambda row: row["case"]))
             print(", ".join(str(value) for value in row.values()), flush=True)
 
 
