@@ -13,7 +13,6 @@ That data of another seed with nothing hidden give NONE is what tier 5 counts (s
 import argparse
 import collections
 import csv
-import hashlib
 import json
 import os
 import random
@@ -24,6 +23,8 @@ import sys
 import tempfile
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
+
+from seals import settings_of_finder
 
 OF_MASS = {"restitution_mass", "rolling_size"}
 TIME = 1.5e9  # of all files of a copy; those of a case have another (EPOCH in generate.py)
@@ -101,10 +102,7 @@ def main():
     parser.add_argument("--cases", type=int, default=10, help="of each check (default 10)")
     parser.add_argument("--parallel", type=int, default=2)
     args = parser.parse_args()
-    finder = json.loads((args.folder / "finder.json").read_text())
-    if hashlib.sha256(Path(args.scree).read_bytes()).hexdigest() != finder["program_sha256"]:
-        sys.exit(f"{args.scree} is not the program that found the cases of {args.folder}")
-    args.settings = finder["settings"]
+    args.settings = settings_of_finder(args.folder, args.scree)
     mixed, shuffled, without = [], [], []
     for file in sorted((args.folder / "found").glob("*.json")):
         found, truth = json.loads(file.read_text()), json.loads((args.folder / "sealed" / file.name).read_text())

@@ -1,7 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """What holds a run of blind cases together: hashes of the truths (sealed.sha256) and of all that the finder gets of a case, and files that are whole."""
 import hashlib
+import json
 import sys
+from pathlib import Path
 
 
 def seals(folder):
@@ -12,6 +14,14 @@ def seals(folder):
         if hashes.setdefault(name, value) != value:
             sys.exit(f"{file}: {name} was sealed twice")
     return hashes
+
+
+def settings_of_finder(folder, scree):
+    """With which the cases of the folder were found; by this very program, or the script ends."""
+    finder = json.loads((folder / "finder.json").read_text())
+    if hashlib.sha256(Path(scree).read_bytes()).hexdigest() != finder["program_sha256"]:
+        sys.exit(f"{scree} is not the program that found the cases of {folder}")
+    return finder["settings"]
 
 
 def write_whole(file, text):

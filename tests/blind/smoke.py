@@ -13,6 +13,7 @@ import tempfile
 from pathlib import Path
 
 import terrains  # noqa: F401  (ends here as skipped where numpy or GDAL's module is absent)
+import truths
 
 HERE = Path(__file__).resolve().parent
 # hardly anything is rejected at this level, so that the time does not depend on chance: what follows a rejection has tests of its own (tests/cli/diagnose_test.cpp)
@@ -50,9 +51,13 @@ def main():
         print(said)
         checked = run("checks.py", sys.argv[1], folder, "--cases", "1")
         assert "shuffled: the same diagnosis in 1 of 1" in checked, checked
+        true = truths.true_site((Path(folder) / "cases" / "0001" / "site.toml").read_text(), truth)
+        assert truth["hidden"][0]["entry"] in true and all(f"{key} = {value!r}\n" in true for soil in truth["soils"].values() for key, value in soil.items()), true
         run("truths.py", sys.argv[1], folder)
         left = list(csv.DictReader((Path(folder) / "truths.csv").open()))
         assert [row["case"] for row in left] == ["0001"] and float(left[0]["q_truth"]) > 0.0 and float(left[0]["q_without"]) > 0.0, left
+        other = subprocess.run([sys.executable, "-B", str(HERE / "truths.py"), sys.executable, folder], capture_output=True, text=True)
+        assert other.returncode and "is not the program that found the cases" in other.stderr, other
         kept = Path(folder) / "kept"
         run("keep.py", str(kept), folder)
         shutil.unpack_archive(kept / "run.tar.xz", kept)

@@ -6,11 +6,11 @@ Usage: truths.py SCREE FOLDER [--parallel N]
 
 Of every case in which effects were hidden (not a third dimension, not a fault of measurement) the model is the true one, effects and soils, calibrated and tested with the
 finder's settings; no effect is searched. One line per case in FOLDER/truths.csv, where what is done is not done again: delta on record; Q and p of the model without effect, as
-found; the effect that leaves least, and its Q; Q and p of the truth. Q of the model without effect less that of the truth should be delta squared, give or take 2 delta.
+found; the effect that leaves least, and its Q; Q and p of the truth. Where an effect moves means, Q of the model without it less that of the truth is about delta squared, give or take
+2 delta; delta sees little of what only widens them.
 """
 import argparse
 import csv
-import hashlib
 import json
 import re
 import shutil
@@ -21,6 +21,7 @@ from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 from generate import compile_laws
+from seals import settings_of_finder
 
 COLUMNS = ["case", "tier", "hidden", "delta", "verdict", "q_without", "p_without", "best", "best_right", "q_best", "q_truth", "p_truth"]
 
@@ -64,10 +65,7 @@ def main():
     parser.add_argument("folder", type=Path)
     parser.add_argument("--parallel", type=int, default=2)
     args = parser.parse_args()
-    finder = json.loads((args.folder / "finder.json").read_text())
-    if hashlib.sha256(Path(args.scree).read_bytes()).hexdigest() != finder["program_sha256"]:
-        sys.exit(f"{args.scree} is not the program that found the cases of {args.folder}")
-    args.settings = finder["settings"]
+    args.settings = settings_of_finder(args.folder, args.scree)
     table = args.folder / "truths.csv"
     rows = list(csv.DictReader(table.open())) if table.exists() else []
     done = {row["case"] for row in rows}
