@@ -287,7 +287,6 @@ TEST(Sweep, TellsApartWhatMattersFromWhatDoesNot) {
     EXPECT_THAT(text_of(out / "figures" / "sweep.svg"), Not(HasSubstr("nan")));
 }
 
-// Every set has each known block once: so it is in the sets that chance is told by, or blocks of very different size hide what a key does.
 // Keys that act on what is measured change what a simulation is compared as, like any other.
 TEST(Sweep, KeysOfTheMeasurementAct) {
     const TempDir folder;
@@ -314,6 +313,7 @@ TEST(Calibrate, AJointKeyBeginsAtTheSiteAsItIs) {
     EXPECT_THAT(outside, testing::ThrowsMessage<InputError>(HasSubstr("does not contain the value of the site, 0.16")));
 }
 
+// Every set has each known block once: so it is in the sets that chance is told by, or blocks of very different size hide what a key does.
 TEST(Sweep, KnowsTheChanceOfBlocksThatAreVeryDifferent) {
     const TempDir folder;
     std::string list = "block_id,mass_kg,L1_m,L2_m,L3_m\n";
