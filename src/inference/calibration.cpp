@@ -107,7 +107,7 @@ private:
             least_loss_ = fit.loss;
             best_gap_ = fit.gap();
         }
-        if (progress_) progress_({stage, done_, plan_.total(), fit.gap(), best_gap_, known});
+        if (progress_) progress_({stage, done_, plan_.total(), fit.gap(), best_gap_});
         return loss;
     }
 

@@ -74,9 +74,8 @@ struct Hypothesis {
     double strength_deviation = kNaN;
     std::optional<Stretch> on;  ///< where the effect acts, if that is to be found
     double middle_deviation = kNaN;
-    double place_spread = 0.0;       ///< of the middle, as fingerprints of places nearby have it [m]
-    double length_deviation = kNaN;  ///< of its logarithm [-]
-    double log_room = kNaN;          ///< log_volume() of strength, middle [m] and logarithm of the length together
+    double place_spread = 0.0;  ///< of the middle, as fingerprints of places nearby have it [m]
+    double log_room = kNaN;     ///< log_volume() of strength, middle [m] and logarithm of the length together
     std::vector<double> parameter_deviation;
     Eigen::VectorXd step;      ///< of a survey around all of them; before the first one, nothing: unknown
     double q = kInfinity;      ///< what is left [-]

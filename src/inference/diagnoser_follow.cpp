@@ -280,7 +280,6 @@ void Diagnoser::judge(Hypothesis& h, const Survey& s) const {
     if (!h.on) return;
     h.middle_deviation = deviations[count + 1];
     h.middle_deviation = std::hypot(h.middle_deviation, h.place_spread);  // other places may explain as much
-    h.length_deviation = deviations[count + 2];
     Eigen::MatrixXd information = misfit.information();
     information(count, count) += 12.0 / (most_of(h.fingerprint) * most_of(h.fingerprint));  // of those allowed
     h.log_room = log_volume(information, 3);

@@ -209,7 +209,6 @@ struct CalibrationProgress {
     std::size_t planned = 0;  ///< of so many [-]
     double gap = kNaN;        ///< of the last one [-]
     double best_gap = kNaN;   ///< of the one with the least loss so far [-]
-    bool from_journal = false;
 };
 
 /// The settings with nothing left open about how much is simulated: what a problem of so many parameters gets by default. Models with more and with fewer
