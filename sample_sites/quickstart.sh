@@ -1,12 +1,14 @@
 #!/usr/bin/env bash
 # From a fresh clone to a first map: installs what is missing (Debian 12), builds Scree and runs the site quarry_a.
 # Usage: sample_sites/quickstart.sh [PRESET]     (of CMakePresets.json; default: release)
+# Results go to sample_sites/quarry_a/out, those of other presets to build/PRESET/quickstart.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 
 preset="${1:-release}"
 site=sample_sites/quarry_a
 results="$site/out"
+[[ $preset == release ]] || results="build/$preset/quickstart"
 scree="build/$preset/cli/scree"
 
 sample_sites/install_dependencies.sh
