@@ -31,14 +31,14 @@ typedef struct scree_contact_state {
     double number[4];     /* a, b, c, d of the entry in the site file [*] */
 } scree_contact_state;
 
-/* e [-], mu [-], mu_r [m]: given as the soil and the effects before have them, to be changed. */
+/* Given as the soil and the effects before have them, to be changed. */
 typedef struct scree_contact_law_values {
-    double restitution, friction, rolling;
+    double restitution, friction, rolling; /* e [-], mu [-], mu_r [m] */
 } scree_contact_law_values;
 
-/* Acceleration -(linear + quadratic |v|) v of the centre of mass while the ground bears the block (not in a bounce): given as 0, to be set [1/s], [1/m]. */
+/* Acceleration -(linear + quadratic |v|) v of the centre of mass while the ground bears the block (not in a bounce): given as 0, to be set. */
 typedef struct scree_ground_drag_values {
-    double linear, quadratic;
+    double linear, quadratic; /* [1/s], [1/m] */
 } scree_ground_drag_values;
 
 void scree_contact_law(const scree_contact_state* state, scree_contact_law_values* law);

@@ -92,7 +92,7 @@ private:
         Column screen, target;
         std::vector<std::uint32_t> rows;
         std::vector<double> speed;                      ///< ascending [m/s]
-        std::vector<double> value, mass, height, rise;  ///< in that order; the last two may be empty
+        std::vector<double> value, mass, height, rise;  ///< in that order; the last two may be empty [*]
     };
 
     ObservationTable reference_;
@@ -103,8 +103,8 @@ private:
     std::vector<double> log_mass_, log_shape_, order_;  ///< per block of the test, standardised [-]
     std::vector<ByState> states_;
     std::vector<Residual> residuals_;
-    Eigen::VectorXd mean_;  ///< of the raw residuals of the reference
-    Eigen::VectorXd least_variance_;
+    Eigen::VectorXd mean_;            ///< of the raw residuals of the reference [-]
+    Eigen::VectorXd least_variance_;  ///< per residual [-]
     ResidualRows own_;
 };
 

@@ -72,16 +72,17 @@ public:
 
 private:
     struct Projection {
-        Eigen::MatrixXd P, S;
-        Eigen::VectorXd deviation;  ///< of the parameters
-        Eigen::MatrixXd gain;       ///< parameters from residuals: (J^T W J + L^-1)^-1 J^T W
+        Eigen::MatrixXd P, S;       ///< as above, S of the mean over the rows at hand [-]
+        Eigen::VectorXd deviation;  ///< of the parameters [*]
+        Eigen::MatrixXd gain;       ///< parameters from residuals: (J^T W J + L^-1)^-1 J^T W [*]
     };
     Projection project(const Eigen::MatrixXd& together) const;
 
-    Eigen::MatrixXd covariance_, jacobian_;
-    Eigen::VectorXd deviation_;
+    Eigen::MatrixXd covariance_;  ///< [-]
+    Eigen::MatrixXd jacobian_;    ///< [1/*]
+    Eigen::VectorXd deviation_;   ///< of the parameters [*]
     std::vector<Fingerprint> fingerprints_;
-    Eigen::MatrixXd changes_;  ///< theirs, side by side
+    Eigen::MatrixXd changes_;  ///< theirs, side by side [-]
 };
 
 /// Rows of the reference put in the place of the measured ones, as often as asked: what chance gives if nothing is missing.
