@@ -1,5 +1,5 @@
 # Who may include whom. base <- geometry <- dynamics <- ensemble <- inference; gis sees base and geometry, never mechanics;
-# cli sees all and is seen by its tests only; third-party headers of gis stay in .cpp files.
+# cli sees all and is seen by its tests only; both see of the core what is public; third-party headers of gis stay in .cpp files.
 # Usage: cmake -DROOT=folder -P check_layers.cmake
 cmake_policy(SET CMP0057 NEW)
 
@@ -50,6 +50,8 @@ foreach(header IN LISTS headers)
 endforeach()
 
 forbid(REASON "src must not see what only tests need" IN include/*.hpp src/*.?pp gis/*.?pp cli/*.?pp INCLUDES "gtest|gmock|benchmark/|tests/|support/")
+
+forbid(REASON "what lies in src is the core's own: include scree/LAYER/..." IN gis/*.?pp cli/*.?pp INCLUDES "(\\.\\./)*src/|(base|geometry|dynamics|ensemble|inference)/")
 
 # --- gis ---
 forbid(REASON "gis must not know mechanics" IN gis/*.?pp INCLUDES "scree/(dynamics|ensemble|inference)/|cli/")

@@ -2,8 +2,22 @@
 # Usage: cmake -DROOT=folder -P check_paths.cmake
 file(GLOB_RECURSE files RELATIVE ${ROOT} LIST_DIRECTORIES false ${ROOT}/*.cpp ${ROOT}/*.hpp ${ROOT}/*.c ${ROOT}/*.h ${ROOT}/*.txt ${ROOT}/*.cmake ${ROOT}/*.json
   ${ROOT}/*.md ${ROOT}/*.py ${ROOT}/*.sh ${ROOT}/*.toml ${ROOT}/*.csv ${ROOT}/.ci/* ${ROOT}/.clang-* ${ROOT}/.gitignore)
+# folders in which somebody builds, whatever they are called
+file(GLOB_RECURSE builds RELATIVE ${ROOT} LIST_DIRECTORIES false ${ROOT}/CMakeCache.txt)
+list(TRANSFORM builds REPLACE "CMakeCache\\.txt$" "")
+list(REMOVE_ITEM builds "")
 foreach(file IN LISTS files)
   if(file MATCHES "^build/|^\\.git/|/out[^/]*/")
+    continue()
+  endif()
+  set(built OFF)
+  foreach(folder IN LISTS builds)
+    string(FIND "${file}" "${folder}" at)
+    if(at EQUAL 0)
+      set(built ON)
+    endif()
+  endforeach()
+  if(built)
     continue()
   endif()
   file(STRINGS ${ROOT}/${file} lines REGEX "(^|[^A-Za-z0-9_.~/])/(home|root|work|tmp|Users|mnt|opt|srv|workspace)/[A-Za-z0-9_.]")

@@ -1,9 +1,34 @@
 # Do the checks see what they are for? Plants one violation after the other into a small tree and expects each to be reported.
 # Usage: cmake -DHERE=folder of the checks -DWORK=scratch folder -P check_plants.cmake
+set(folder "me/someone")  # put together here, or check_paths would report this file
+set(good_header [[
+#include <vector>
+#include <Eigen/Core>
+#include "scree/base/error.hpp"
+struct S {
+    struct Ends {
+        double from, to;  ///< of a stretch [m]
+    };
+    double mass = 1.0;  ///< of the body [kg]
+    /// Of each block; of all of them [m/s].
+    std::vector<std::vector<double>>
+        speeds;
+    double volume() const { return mass / 2700.0; }
+};
+inline double half(double x) {
+    const double factor = 0.5;
+    return factor * x;
+}
+]])
 function(expect_report check file line)
   file(REMOVE_RECURSE ${WORK})
-  file(WRITE ${WORK}/include/scree/base/good.hpp "#include <vector>\n#include <Eigen/Core>\n#include \"scree/base/error.hpp\"\nstruct S {\n    double mass = 1.0;  ///< of the body [kg]\n};\n")
+  file(WRITE ${WORK}/include/scree/base/good.hpp "${good_header}")
   file(WRITE ${WORK}/gis/good.cpp "#include \"scree/geometry/grid.hpp\"\n#include <gdal_priv.h>\n")
+  file(WRITE ${WORK}/gis/README.md "`good` is a file, bad is none.\n")
+  file(WRITE ${WORK}/cli/cmd_good.cpp "#include \"scree/dynamics/soil.hpp\"\n#include \"gis/layers.hpp\"\n")
+  file(WRITE ${WORK}/cli/README.md "| `cmd_*` | one command each |\n")
+  file(WRITE ${WORK}/my-build/CMakeCache.txt "")
+  file(WRITE ${WORK}/my-build/generated/made.cmake "include(/ho${folder}/scree.cmake)\n")
   file(WRITE ${WORK}/tests/CMakeLists.txt "scree_test(test_unit SOURCES unit/good_test.cpp)\n")
   file(WRITE ${WORK}/tests/unit/good_test.cpp "#include <gtest/gtest.h>\n")
   execute_process(COMMAND ${CMAKE_COMMAND} -DROOT=${WORK} -P ${HERE}/check_${check}.cmake RESULT_VARIABLE clean ERROR_VARIABLE said)
@@ -35,13 +60,30 @@ expect_report(layers cli/bad.hpp "#include \"cli/json.hpp\"")
 expect_report(layers tests/support/bad.cpp "#include \"cli/app.hpp\"")
 expect_report(layers tests/unit/bad.cpp "#include \"cli/app.hpp\"")
 expect_report(layers src/base/bad.cpp "#include <gtest/gtest.h>")
-expect_report(units include/scree/base/bad.hpp "    double mass = 1.0;  ///< of the body")
-expect_report(units include/scree/base/bad.hpp "    Vec3 velocity = Vec3::Zero();")
-expect_report(units include/scree/base/bad.hpp "    std::vector<double> times;    ///< since release")
-expect_report(units include/scree/base/bad.hpp "    std::array<double, 2> ratio{0.5, 1.0};  ///< of the edges")
-expect_report(units include/scree/bad.h "    double mass;  /* of the body */")
+expect_report(layers gis/bad.cpp "#include \"geometry/facet_walk.hpp\"")
+expect_report(layers gis/bad.hpp "#include \"src/geometry/facet_walk.hpp\"")
+expect_report(layers cli/bad.cpp "#include \"dynamics/engine.hpp\"")
+expect_report(layers cli/bad.cpp "#include \"../src/dynamics/engine.hpp\"")
+foreach(field
+    "double mass = 1.0;  ///< of the body"
+    "Vec3 velocity = Vec3::Zero();"
+    "std::vector<double> times;    ///< since release"
+    "std::array<double, 2> ratio{0.5, 1.0};  ///< of the edges"
+    "double limit = std::numeric_limits<double>::infinity();  ///< of the mass"
+    "std::optional<double> height;  ///< of release"
+    "std::vector<std::array<double, 3>> axes;  ///< per block"
+    "Mat3 inertia = Mat3::Identity();  ///< in the body frame"
+    "const double mass;  ///< of the body"
+    "double from, to;  ///< of a stretch"
+    "std::vector<std::vector<double>>\n        draws;  ///< per parameter"
+    "struct T {\n        double mass;  ///< of the body\n    };")
+  expect_report(units include/scree/base/bad.hpp "struct Bad {\n    ${field}\n};")
+endforeach()
+expect_report(units include/scree/bad.h "typedef struct bad {\n    double mass;  /* of the body */\n} bad;")
 expect_report(tests tests/unit/forgotten_test.cpp "#include <gtest/gtest.h>")
-set(folder "me/someone")  # put together here, or check_paths would report this file
+expect_report(modules gis/bad.cpp "#include <string>")
+expect_report(modules cli/bad.hpp "#include <string>")
+expect_report(paths my-build-notes/bad.md "see /ho${folder}/scree")
 expect_report(paths README.md "see /ho${folder}/scree")
 expect_report(paths cli/bad.cpp "const char* kFile = \"/ho${folder}/dtm.tif\"")
 file(REMOVE_RECURSE ${WORK})
