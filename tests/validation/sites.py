@@ -80,9 +80,13 @@ def features(results, layer):
 
 
 class Heights:
-    """The surface of the model: the DTM averaged to the result's cells, two facets between four centres."""
+    """The surface of the model: the DTM averaged to the result's cells, two facets between four centres, parted alike everywhere. Ends the script where a run had others."""
 
     def __init__(self, dtm, results):
+        terrain = tomllib.loads((Path(results) / "run.toml").read_text())["terrain"]
+        if (terrain["surface"], terrain["diagonals"]) != ("grid", "alike"):
+            sys.exit(f"{results}: its terrain is surface = {terrain['surface']!r} with diagonals = {terrain['diagonals']!r}; heights are known here of "
+                     "'grid' with 'alike' only: set these, or add the others to Heights in sites.py")
         like = gdal.Open(str(Path(results) / "rasters" / "passages.tif"))
         x0, cell, _, y1, _, _ = like.GetGeoTransform()
         columns, rows = like.RasterXSize, like.RasterYSize
