@@ -118,7 +118,7 @@ std::optional<ProfileRelease::Place> ProfileRelease::foot(const Vec2& point, std
 }
 
 ProfileRelease::Place ProfileRelease::draw(std::uint64_t seed, std::uint64_t block) const {
-    if (pattern_ == ReleasePattern::Cells) return cells_[static_cast<std::size_t>(block % cells_.size())];
+    if (pattern_ == ReleasePattern::Cells) return cells_[start_cell(seed, block, cells_.size())];
     RandomStream random(seed, block, RandomPurpose::ReleasePosition);
     double target = random.uniform() * total_weight_;
     std::size_t s = 0;

@@ -69,8 +69,7 @@ ReleaseArea::ReleaseArea(const FeatureLayer& layer, const Surface& surface, Rele
         throw InputError(
             "release layer " + layer.name +
             " lies outside the terrain, over holes in it, or is so large that hardly any of it lies over the "
-            "terrain: no block could start; compare the extents with scree check, and cut it to the slopes "
-            "that release blocks");
+            "terrain: no block could start; cut it to the slopes that release blocks");
     if (pattern == ReleasePattern::Cells) find_cells(cells);
 }
 
@@ -111,9 +110,15 @@ Vec2 ReleaseArea::draw_from(const Source& source, RandomStream& random) const {
     return line.points.front().head<2>();
 }
 
+std::uint64_t start_cell(std::uint64_t seed, std::uint64_t block, std::uint64_t count) {
+    const std::uint64_t run = block / count;
+    const std::uint64_t first = run == 0 ? 0 : RandomStream(seed, run, RandomPurpose::ReleasePosition).below(count);
+    return (first + block % count) % count;
+}
+
 Vec2 ReleaseArea::draw(std::uint64_t seed, std::uint64_t block, std::int64_t& feature) const {
     if (pattern_ == ReleasePattern::Cells) {
-        const auto& [centre, source] = cells_[static_cast<std::size_t>(block % cells_.size())];
+        const auto& [centre, source] = cells_[start_cell(seed, block, cells_.size())];
         feature = source;
         return centre;
     }

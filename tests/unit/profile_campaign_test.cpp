@@ -10,6 +10,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <set>
 
 namespace scree::test {
 
@@ -115,8 +116,10 @@ TEST(ProfileRelease, CellsOneAfterTheOther) {
                                  kFarthest);
     ASSERT_EQ(release.cell_count(), 3u);
     EXPECT_NEAR(release.draw(1, 0).s, 10.5, 1e-9);
-    EXPECT_NEAR(release.draw(1, 4).s, 11.5, 1e-9);
-    EXPECT_NEAR(release.draw(1, 5).s, 12.5, 1e-9);
+    EXPECT_NEAR(release.draw(1, 1).s, 11.5, 1e-9);
+    EXPECT_NEAR(release.draw(1, 2).s, 12.5, 1e-9);
+    const std::set<double> later{release.draw(1, 3).s, release.draw(1, 4).s, release.draw(1, 5).s};
+    EXPECT_EQ(later.size(), 3U);
 }
 
 TEST(ProfileRelease, NothingToReleaseIsAnError) {

@@ -22,6 +22,10 @@ enum class ReleasePattern {
 };
 inline constexpr std::array<const char*, 2> kReleasePatternNames{"random", "cells"};
 
+/// Number of the cell in which a block starts with ReleasePattern::Cells: each run of `count` blocks fills all of them, the first in their order, later ones from a random
+/// cell on, so that rows of a block list that are taken in turn do not come back to the same cells for ever.
+std::uint64_t start_cell(std::uint64_t seed, std::uint64_t block, std::uint64_t count);
+
 struct ReleaseSettings {
     std::int64_t count = 1000;   ///< blocks to throw [-]
     double height = 1.0;         ///< of the centre of mass above the surface, vertically [m]
