@@ -127,8 +127,7 @@ private:
                 finish(StopReason::TimeLimit);
         }
         state_ = now;
-        end_segment(motion, flown);
-        meet(motion, flown, flown >= arc && closed_.empty());
+        end_motion(motion, flown, flown >= arc && closed_.empty());
     }
 
     /// How long the acceleration of the flight from here is constant [s].
@@ -140,13 +139,25 @@ private:
         return arc.duration;
     }
 
-    /// What the block meets on the way that it has just gone: only effects know of such things.
+    /// The motion ends where the block is now; on its way effects may have something that it meets. What that takes from it is taken at the end, which is just behind.
+    /// A net that holds the block does so on its uphill side: the motion ends there, and nothing beyond the line has seen it.
     /// `goes_on`: the flight continues as it was foreseen.
-    void meet(const MotionSegment<Dim>& motion, double duration, bool goes_on) {
-        if (!effects_) return;
-        if (!goes_on) effects_->forget_flight();
-        if (duration <= 0.0) return;
-        effects_->moved(motion.position, duration, motion.in_contact, kinetic_energy(body_, state_), state_);
+    void end_motion(MotionSegment<Dim>& motion, double duration, bool goes_on) {
+        if (effects_ && !goes_on) effects_->forget_flight();
+        if (!effects_ || duration <= 0.0) return end_segment(motion, duration);
+        State behind = state_;
+        effects_->moved(motion.position, duration, motion.in_contact, kinetic_energy(body_, state_), behind);
+        if (effects_->held()) {
+            const auto way = (state_.position - motion.position).template head<Dim - 1>().norm();
+            const double back = way > 0.0 ? std::min(1.0, (effects_->beyond_net() + kBeforeNet) / way) * duration : 0.0;
+            const Vec acceleration = (state_.velocity - motion.velocity_start) / duration;
+            state_.position += back * (0.5 * back * acceleration - state_.velocity);
+            state_.velocity -= back * acceleration;
+            duration -= back;
+        }
+        end_segment(motion, duration);
+        state_.velocity = behind.velocity;
+        state_.spin = behind.spin;
         if (effects_->held()) finish(StopReason::AtRest);
     }
 
@@ -313,8 +324,7 @@ private:
             motion.in_contact = true;
         }
         cap_energy(energy_before);
-        end_segment(motion, h);
-        meet(motion, h, false);
+        end_motion(motion, h, false);
         if (!finder_.over_terrain(state_.position) || finder_.beyond_rim()) finish(StopReason::LeftTerrain);
         if (time_ >= settings_.time_limit) finish(StopReason::TimeLimit);
         if (!finished_) look_for_rest(h);
@@ -521,8 +531,7 @@ private:
             }
             const double rise = (energy(state_) - energy_before) / (body_.mass * settings_.gravity);
             end_.counters.largest_energy_rise = std::max(end_.counters.largest_energy_rise, rise);
-            end_segment(motion, h);
-            meet(motion, h, false);
+            end_motion(motion, h, false);
             if (!finder_.over_terrain(state_.position) || finder_.beyond_rim()) finish(StopReason::LeftTerrain);
             if (time_ >= settings_.time_limit) finish(StopReason::TimeLimit);
             if (!finished_ && !closed_.empty()) look_for_rest(h);
@@ -679,6 +688,7 @@ private:
         1e-3;  ///< share of the weight that a contact carries at least if it bears: less is the solver's tolerance [-]
     static constexpr double kEquilibriumShare =
         1e-3;  ///< acceleration from rest, as a share of gravity, that counts as none [-]
+    static constexpr double kBeforeNet = 1e-3;   ///< a block that a net holds ends so far uphill of its line [m]
     static constexpr int kImpactsInARow = 1000;  ///< impacts at one moment: beyond, something is wrong
     static constexpr std::int64_t kMostTurns = 50'000'000;
 

@@ -42,7 +42,7 @@ public:
     bool in_place_for_long(const State& state, double radius, double gravity, double time) {
         const bool flown = time - asked_ > kFlown;
         asked_ = time;
-        const double place = kPlaceShare * radius;
+        const double place = std::min(kPlaceShare * radius, kPlace);
         if (flown || state.velocity.squaredNorm() > 2.0 * gravity * place || (state.position - place_).norm() > place) {
             place_ = state.position;
             in_place_since_ = time;
@@ -59,6 +59,7 @@ public:
 
 private:
     static constexpr double kPlaceShare = 0.05;  ///< of the radius: a centre of mass that moves less stays in place [-]
+    static constexpr double kPlace = 0.05;       ///< and at most so far: slower creep than 1 cm/s is rest [m]
     static constexpr double kFlown = 0.5;        ///< without contact for so long is a flight and not a tremble [s]
     static constexpr double kPlaceTime = 5.0;    ///< in place for so long is rest, whatever still turns [s]
 

@@ -184,8 +184,8 @@ void BlockEffects<Dim>::struck(const State& s, std::span<const Contact<Dim>> con
             if (depth < left) continue;  // within the scar of before, which is left behind as it was
             p.memory = depth;
             p.memory2 = 0.0;
-        } else if (!broken_ && body_.length * std::cbrt(p.value[1]) >= kSmallestPiece && fastest >= p.value[0] &&
-                   p.memory < p.value[2]) {
+        } else if (!broken_ && p.value[1] < 1.0 && body_.length * std::cbrt(p.value[1]) >= kSmallestPiece &&
+                   fastest >= p.value[0] && p.memory < p.value[2]) {
             p.memory += 1.0;
             broken_ = true;
             piece_ = p.value[1];
@@ -214,6 +214,21 @@ bool BlockEffects<Dim>::acts_on_flight_at(const Part& p, const Vec& position) co
     if (p.kind == EffectKind::ForestDrag) return height_over_ground(position) <= p.value[1];
     if (p.kind == EffectKind::Trees) return height_over_ground(position) <= p.value[3];
     return true;
+}
+
+/// True if it hangs on the height above the ground, or on the soil, whether the effect acts on a flight there: such flights are looked at again and again.
+/// Elsewhere borders and obstacles count, which are known from afar: up to them a block flies as it would without them, to the last digit.
+template <int Dim>
+bool BlockEffects<Dim>::has_to_look_at(const Part& p, const Vec& position) const {
+    if (p.hook != EffectHook::Force && p.hook != EffectHook::Crossing) return false;
+    if (p.place->soil >= 0) return true;
+    const bool canopy = p.kind == EffectKind::ForestDrag || (p.kind == EffectKind::Trees && p.place->points.empty());
+    return canopy && p.place->covers(-1, plan(position));
+}
+
+template <int Dim>
+bool BlockEffects<Dim>::has_to_look_at(const Vec& position) const {
+    return std::any_of(parts_.begin(), parts_.end(), [&](const Part& p) { return has_to_look_at(p, position); });
 }
 
 /// Quadratic drag of the scar that the block is in [1/m].
@@ -278,8 +293,9 @@ FlightArc<Dim> BlockEffects<Dim>::flight_arc(const State& s) {
         return arc;
     }
     const Drag drag = drag_at(s.position);
-    const double longest =
-        drag.none() ? DragFlight<Dim>::kLongest : DragFlight<Dim>::longest(drag, gravity_, s.velocity);
+    const double longest = !drag.none()                 ? DragFlight<Dim>::longest(drag, gravity_, s.velocity)
+                           : has_to_look_at(s.position) ? DragFlight<Dim>::kLongest
+                                                        : DragFlight<Dim>::kUndisturbed;
     DragFlight<Dim> flight(drag, gravity_, s, longest);
     const double change = change_time(s, flight);
     if (change < flight.duration()) flight = DragFlight<Dim>(drag, gravity_, s, std::max(change, kLeastPiece));
@@ -349,7 +365,8 @@ double BlockEffects<Dim>::change_time(const State& s, const DragFlight<Dim>& fli
         time = first_time([&](double t) { return (plan(flight.position(s, t)) - plan(s.position)).norm() >= way; });
     }
     for (const Part& p : parts_) {  // the canopy
-        if (p.kind != EffectKind::ForestDrag && p.kind != EffectKind::Trees) continue;
+        if ((p.kind != EffectKind::ForestDrag && p.kind != EffectKind::Trees) || !has_to_look_at(p, s.position))
+            continue;
         const double height = p.kind == EffectKind::ForestDrag ? p.value[1] : p.value[3];
         const bool below = height_over_ground(s.position) <= height;
         if ((height_over_ground(end) <= height) != below)
@@ -384,7 +401,9 @@ void BlockEffects<Dim>::cross(Part& p, const Vec& from, double& kinetic, State& 
         const double share = p.place->first_line(plan(from), plan(s.position));
         if (!(share <= 1.0) || !(height_over_ground(from + share * (s.position - from)) <= p.value[1])) return;
         lose(1000.0 * p.value[0], kinetic, s);
-        held_ = held_ || kinetic <= 0.0;
+        if (kinetic > 0.0 || held_) return;
+        held_ = true;
+        beyond_net_ = (1.0 - share) * (plan(s.position) - plan(from)).norm();
         return;
     }
     const double capacity = tree_capacity(p.value[0], p.value[2]);

@@ -75,8 +75,9 @@ public:
 
     /// The block has moved from `from` to where `s` is; crossings may lower its velocities.
     void moved(const Vec& from, double duration, bool in_contact, double kinetic_energy, State& s);
-    /// True if a net holds the block.
+    /// True if a net holds the block, and how far in plan view the motion went beyond its line [m].
     bool held() const { return held_; }
+    double beyond_net() const { return beyond_net_; }
     std::int64_t crossings_struck() const { return crossings_struck_; }
     std::int64_t breaks() const { return breaks_; }
     const EffectBody& body() const { return body_; }
@@ -98,6 +99,8 @@ private:
     static Plan plan(const Vec& p) { return p.template head<Dim - 1>(); }
     double height_over_ground(const Vec& p) const { return p[Dim - 1] - ground_.height(p); }
     bool acts_on_flight_at(const Part& part, const Vec& p) const;
+    bool has_to_look_at(const Part& part, const Vec& p) const;
+    bool has_to_look_at(const Vec& p) const;
     double scar_drag(const Part& part) const;
     Drag drag_at(const Vec& position) const;
     scree_contact_state contact_state(const Part& part, const State& s, const Vec& at) const;
@@ -118,6 +121,7 @@ private:
     bool broken_ = false;
     double piece_ = 1.0;  ///< share of the volume left by the last break [-]
     bool held_ = false;
+    double beyond_net_ = 0.0;
     std::int64_t crossings_struck_ = 0, breaks_ = 0;
 };
 

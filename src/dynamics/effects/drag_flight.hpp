@@ -70,13 +70,14 @@ public:
         return std::max(time, std::min(kLongest, 2.0 * kPathError / to_lose));
     }
 
-    static constexpr double kLongest = 0.1;      ///< [s]
-    static constexpr double kBrief = 1e-3;       ///< [s]
-    static constexpr double kSpeedError = 1e-3;  ///< [m/s]
-    static constexpr double kPathError = 1e-3;   ///< [m]
-    static constexpr double kRateTime = 0.2;     ///< drag rate times duration at most [-]
-    static constexpr double kStrong = 0.5;       ///< beyond this rate times duration drag is strong [-]
-    static constexpr double kTurn = 0.2;         ///< change of velocity by gravity over the speed [-]
+    static constexpr double kLongest = 0.1;       ///< [s]
+    static constexpr double kUndisturbed = 10.0;  ///< where nothing acts nor is near: longer than flights are [s]
+    static constexpr double kBrief = 1e-3;        ///< [s]
+    static constexpr double kSpeedError = 1e-3;   ///< [m/s]
+    static constexpr double kPathError = 1e-3;    ///< [m]
+    static constexpr double kRateTime = 0.2;      ///< drag rate times duration at most [-]
+    static constexpr double kStrong = 0.5;        ///< beyond this rate times duration drag is strong [-]
+    static constexpr double kTurn = 0.2;          ///< change of velocity by gravity over the speed [-]
 
 private:
     void step(const Drag& drag, const Vec& gravity, const Vec& v, double time) {
