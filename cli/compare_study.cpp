@@ -166,7 +166,7 @@ CompareStudy make_study(const SiteFile& site, const SiteModel& model, const Obse
     study.seed = site.settings.seed;
     const Observations& o = observed.observations;
     const GapFunction gaps(o, observed.op);
-    study.blocks = !o.blocks.empty() ? o.blocks.size() : static_cast<std::size_t>(o.thrown);
+    study.blocks = static_cast<std::size_t>(blocks_of(observed));
     study.repeats = o.matched ? site.settings.observed.repeats : 0;
     study.measured = gaps.measured();
     study.simulated = gaps.simulated(campaign, seed);

@@ -181,6 +181,7 @@ Json baseline_json(const DiagnoseStudy& study) {
     baseline["gap_over_all"] = study.before.overall.gap;
     baseline["gap_over_all_chance_95"] = ends_of(study.before.overall.chance);
     if (told) baseline["gap_over_all_told"] = study.told().overall.gap;
+    if (told) baseline["distance_over_all_told"] = distance_over(study.told(), study.before);
     if (told) baseline["gap_over_all_told_chance_95"] = ends_of(study.told().overall.chance);
     if (!study.baseline.result.folds.empty()) {
         baseline["held_out_loss"] = study.baseline.result.held_out.loss;

@@ -191,7 +191,7 @@ void DiagnosedModels::stay_as_followed(const CalibrationResult& refit, const std
     CalibratedModel followed = at_start_of(refit, model);
     CampaignResult of_followed;
     CompareStudy study = compared(followed, effects, of_followed);
-    if (study_.interrupted || !(study.overall.gap < compared_model.overall.gap)) return;
+    if (study_.interrupted || !leaves_less(study, compared_model, compared_model)) return;
     forget_estimates(followed.result, study_.keys.problem.parameters, effects);
     model = std::move(followed);
     compared_model = std::move(study);

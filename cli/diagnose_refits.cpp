@@ -20,6 +20,23 @@ bool is_far_beyond(const CompareStudy& study) {
     return study.overall.gap > kFarBeyond * study.overall.chance.high;
 }
 
+static std::vector<ObservableGap> gaps_of(const CompareStudy& study) {
+    std::vector<ObservableGap> gaps;
+    for (const ComparedObservable& o : study.observables) gaps.push_back(o.gap);
+    return gaps;
+}
+
+double distance_over(const CompareStudy& model, const CompareStudy& yardstick) {
+    return scree::distance_over(gaps_of(model), gaps_of(yardstick));
+}
+
+bool leaves_less(const CompareStudy& model, const CompareStudy& other, const CompareStudy& yardstick) {
+    const auto count = [](const CompareStudy& study) {
+        return std::ranges::count_if(study.observables, &ObservableGap::counts, &ComparedObservable::gap);
+    };
+    return count(model) >= count(other) && distance_over(model, yardstick) < distance_over(other, yardstick);
+}
+
 /// A law as strong as is searched at all, within a standard deviation: nobody knows how strong it would have to be, and what stands in for something else ends there. (What acts in a place may hold
 /// all that comes, however much stronger it is.)
 static const AnsweredEffect* at_the_end_of_its_range(const AnswerFit& answer) {
@@ -56,7 +73,7 @@ void judge_refits(DiagnoseStudy& study) {
         return demote("the blocks held out are predicted no better with " + answers.front().name() + " than " +
                       (answers.front().loss_of_one < without ? "with one of them alone" : "without"));
     std::stable_partition(answers.begin(), answers.end(), better);
-    if (study.verdict == Verdict::Group) return;  // no name is said
+    if (study.several()) return;  // no name is said
     const std::optional<HeldOutGain> gain = held_out_log_gain(study, answers.front());
     if (gain && gain->mean <= kGainErrors * gain->error)
         demote(
@@ -73,22 +90,24 @@ std::optional<double> removable_gap_closed(const DiagnoseStudy& study, const Ans
     return (without.loss - with.loss) / (without.loss - with.floor);
 }
 
-static std::optional<HeldOutGain> gain_of(const std::vector<double>& without, const std::vector<double>& with) {
+/// Records of one block are not independent of each other: where nobody knows which are, the error is that of as many gains as there are blocks.
+static std::optional<HeldOutGain> gain_of(const std::vector<double>& without, const std::vector<double>& with,
+                                          std::size_t blocks) {
     if (without.size() < 2 || with.size() != without.size()) return std::nullopt;
     std::vector<double> gains;
     for (std::size_t k = 0; k < without.size(); ++k)
         if (const double gain = without[k] - with[k]; std::isfinite(gain)) gains.push_back(gain);
     if (gains.size() < 2) return std::nullopt;
     const SampleSummary gain = summary_of(gains);
-    return HeldOutGain{gain.mean, gain.deviation / std::sqrt(static_cast<double>(gains.size()))};
+    return HeldOutGain{gain.mean, gain.deviation / std::sqrt(static_cast<double>(std::min(gains.size(), blocks)))};
 }
 
 std::optional<HeldOutGain> held_out_gain(const DiagnoseStudy& study, const AnswerFit& answer) {
-    return gain_of(study.baseline.result.held_out_losses, answer.model.result.held_out_losses);
+    return gain_of(study.baseline.result.held_out_losses, answer.model.result.held_out_losses, study.blocks);
 }
 
 std::optional<HeldOutGain> held_out_log_gain(const DiagnoseStudy& study, const AnswerFit& answer) {
-    return gain_of(study.baseline.result.held_out_log_losses, answer.model.result.held_out_log_losses);
+    return gain_of(study.baseline.result.held_out_log_losses, answer.model.result.held_out_log_losses, study.blocks);
 }
 
 }  // namespace scree::cli

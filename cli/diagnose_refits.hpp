@@ -11,6 +11,12 @@ namespace scree::cli {
 /// The gap over all is several times the largest of 95 % of chance.
 bool is_far_beyond(const CompareStudy& study);
 
+/// Mean distance of the observables, in floors of `yardstick`: distance_over().
+double distance_over(const CompareStudy& model, const CompareStudy& yardstick);
+
+/// A model leaves less than another one of the same measurements: of no fewer observables, by distance_over() in the floors of `yardstick`.
+bool leaves_less(const CompareStudy& model, const CompareStudy& other, const CompareStudy& yardstick);
+
 /// A name with which the model, calibrated anew, is still far from the measurements is none, nor one that predicts blocks that it was not fitted to
 /// no better than the model without it, nor two that predict them no better than one of them: the verdict becomes UNKNOWN if no answer is left, and those that are left come first.
 void judge_refits(DiagnoseStudy& study);

@@ -110,7 +110,7 @@ void print_diagnosis(std::ostream& out, const DiagnoseStudy& study) {
     const std::vector<std::string> where = where_sentences(study);
     if (!where.empty())
         out << "\nwhere the calibrated model fails (chance of any such finding below "
-            << short_number(100.0 * study.settings.level) << " %):\n";
+            << short_number(100.0 * study.settings.level) << " %" << tested_elsewhere(study) << "):\n";
     for (const std::string& s : where) out << "  " << s << "\n";
     const std::vector<std::string> onward = innovation_sentences(study);
     if (!onward.empty())
@@ -320,7 +320,8 @@ std::string diagnose_html(const DiagnoseStudy& study, const std::vector<Figure>&
     if (!remarks.empty()) html << html_list(remarks);
     if (!where.empty())
         html << "<h2>Where the calibrated model fails</h2>\n<p>Beyond chance at "
-             << short_number(100.0 * study.settings.level) << " %, for all looks together.</p>\n"
+             << short_number(100.0 * study.settings.level) << " %, for all looks together"
+             << escaped(tested_elsewhere(study)) << ".</p>\n"
              << html_list(where);
     html << innovations_html(study);
     if (const std::vector<std::string> force = force_sentences(study); !force.empty())

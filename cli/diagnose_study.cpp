@@ -28,10 +28,6 @@ std::vector<ObservedBlock> known_blocks(const ObservedSite& observed) {
 }
 
 /// That count in the overall gap.
-std::ptrdiff_t observables_of(const CompareStudy& study) {
-    return std::ranges::count_if(study.observables, &ObservableGap::counts, &ComparedObservable::gap);
-}
-
 /// What acts in a simulation beside the site's own effects.
 struct Acting {
     std::vector<Effect> effects;
@@ -72,7 +68,7 @@ public:
         restart_at_screens();
         if (study_.interrupted || !in_.site.settings.diagnosis_further) return;
         if (study_.verdict == Verdict::Unknown) try_forces();
-        if (study_.verdict == Verdict::Group) try_instruments_on_group();
+        if (study_.several()) try_instruments_on_group();
     }
 
     /// Answers are calibrated from where the diagnosis followed them to. So is the model without them, which stays where it was if that leaves more.
@@ -90,6 +86,7 @@ public:
     /// Q of a test is what is left after a linear step of the parameters, so that a model whose Q is small may still be a step away from what it could be.
     /// And what leaves least in the residual space may leave more over all than what the diagnosis has seen on its way there.
     void tell_without() {
+        if (!study_.before.overall.beyond_chance()) return;  // what differs there is chance
         if (!tell_nearest({study_.tested_point(), study_.asked_point()}) || !study_.told().overall.beyond_chance())
             return;
         tell_nearest(nearest_.points());
@@ -100,9 +97,7 @@ public:
             MovedModel moved{point, {}, {}};
             moved.study = models_.compared(model_at(point), {}, moved.campaign);
             if (study_.interrupted) return false;
-            if (observables_of(moved.study) >= observables_of(study_.told()) &&
-                moved.study.overall.gap < study_.told().overall.gap)
-                study_.moved = std::move(moved);
+            if (leaves_less(moved.study, study_.told(), study_.before)) study_.moved = std::move(moved);
         }
         return true;
     }
@@ -225,7 +220,7 @@ private:
         const auto& parameters = study_.keys.problem.parameters;
         for (std::size_t k = 0; k < parameters.size(); ++k) {
             p.calibrated.push_back(to_unit(parameters[k], model.point.values[k]));
-            p.given.push_back(to_unit(parameters[k], parameters[k].start));
+            p.given.push_back(to_unit(parameters[k], study_.given_point().values[k]));
             p.low.push_back(0.0);
             p.high.push_back(1.0);
             double step = kPlannedStep;
@@ -378,7 +373,8 @@ bool AnswerFit::in_space() const {
 
 CalibrationPoint DiagnoseStudy::given_point() const {
     CalibrationPoint point;
-    for (const CalibrationParameter& p : keys.problem.parameters) point.values.push_back(p.start);
+    for (const CalibrationParameter& p : keys.problem.parameters)
+        point.values.push_back(std::isfinite(p.start) ? p.start : from_unit(p, 0.5));
     for (const CalibrationChoice& c : keys.problem.choices) point.levels.push_back(c.start);
     return point;
 }

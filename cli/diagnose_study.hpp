@@ -108,17 +108,21 @@ struct DiagnoseStudy {
 
     /// The best one; null where there is none, or where none was left by the refits.
     const AnswerFit* answer() const { return standing() == 0 ? nullptr : &answers.front(); }
+    /// Answers that cannot be told apart: effects, or faults of the measurement.
+    bool several() const {
+        return verdict == Verdict::Group || (verdict == Verdict::DataProblem && answers.size() > 1);
+    }
     /// How many answers stand: of a group every member, else one or none.
     std::size_t standing() const {
         if (verdict == Verdict::Unknown) return 0;
-        return verdict == Verdict::Group ? answers.size() : std::min<std::size_t>(answers.size(), 1);
+        return several() ? answers.size() : std::min<std::size_t>(answers.size(), 1);
     }
     /// Measurements were held against the model.
     bool judged() const { return !planning && !before.observables.empty(); }
     /// Site files to write: one for each answer that stands, else that of told_point(); none where nothing was judged.
     std::size_t site_files() const { return judged() ? std::max<std::size_t>(standing(), 1) : 0; }
     const DiagnosisCandidate& candidate_of(const EffectFinding& f) const { return catalogue.candidates[f.effect]; }
-    /// Parameters as the site has them, wherever a calibration began.
+    /// Parameters as the site has them, wherever a calibration began; the middle of the range of what it does not have.
     CalibrationPoint given_point() const;
     /// Parameters of the model without effect that was tested: all measurements together had it moved there, the calibration minimises a part of them.
     CalibrationPoint tested_point() const;

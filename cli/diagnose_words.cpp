@@ -118,7 +118,9 @@ std::vector<std::vector<std::string>> parameter_rows(const DiagnoseStudy& study)
     const CalibrationProblem& problem = study.keys.problem;
     for (std::size_t k = 0; k < problem.parameters.size(); ++k) {
         rows.push_back({problem.parameters[k].name});
-        for (const CalibrationPoint* p : points) rows.back().push_back(short_number(p->values[k]));
+        for (const CalibrationPoint* p : points)
+            rows.back().push_back(p == &given && std::isnan(problem.parameters[k].start) ? "-"
+                                                                                         : short_number(p->values[k]));
     }
     for (std::size_t k = 0; k < problem.choices.size(); ++k) {
         rows.push_back({problem.choices[k].name});
@@ -264,7 +266,7 @@ std::string moved_parameters(const DiagnoseStudy& study, const CalibrationPoint&
 
 /// Where nothing is missing from a model whose parameters are neither the calibrated ones nor told: what they are.
 std::string none_elsewhere(const DiagnoseStudy& study) {
-    if (!study.judged() || study.verdict != Verdict::None || study.moved) return "";
+    if (!study.judged() || study.verdict != Verdict::None) return "";
     return moved_parameters(study, study.tested_point());
 }
 
@@ -276,9 +278,8 @@ std::string verdict_sentence(const DiagnoseStudy& study) {
     switch (study.verdict) {
         case Verdict::None:
             return std::string("NONE: the ") +
-                   (study.moved ? "model, with the parameters that all measurements together ask for,"
-                    : none_elsewhere(study).empty() ? "calibrated model"
-                                                    : "model, with other parameters than the calibrated ones,") +
+                   (none_elsewhere(study).empty() ? "calibrated model"
+                                                  : "model, with other parameters than the calibrated ones,") +
                    " could have produced these measurements (p = " + p_text(d.test.p) +
                    "); nothing is missing that they could show";
         case Verdict::Named:
@@ -297,6 +298,13 @@ std::string verdict_sentence(const DiagnoseStudy& study) {
 
 std::string chance_words(const DiagnoseStudy& study) {
     return short_number(100.0 * (1.0 - study.settings.level)) + " % of chance, for all together";
+}
+
+std::string tested_elsewhere(const DiagnoseStudy& study) {
+    const std::string tested = moved_parameters(study, study.tested_point());
+    return tested.empty() ? ""
+                          : "; standard deviations and p are those of the model that was tested, with " + tested +
+                                ", and what is simulated is that of the calibrated one";
 }
 
 std::vector<std::string> where_sentences(const DiagnoseStudy& study) {
@@ -425,16 +433,18 @@ std::vector<std::string> diagnose_remarks(const DiagnoseStudy& study) {
     }
     if (study.moved) {
         const std::string moved = moved_parameters(study, study.told_point());
-        remarks.push_back("the calibration minimises a part of what was measured; all of it together asks for " +
+        remarks.push_back("less is left over all with " +
                           (moved.empty() ? "parameters that are nearly the calibrated ones" : moved) +
-                          ": site_extended.toml and results.gpkg have that (gap over all " +
-                          gap_number(study.told().overall.gap) + "; of the calibrated model " +
-                          gap_number(study.before.overall.gap) + ")");
+                          ": site_extended.toml and results.gpkg have that (mean distance " +
+                          gap_number(distance_over(study.told(), study.before)) + ", of the calibrated model " +
+                          gap_number(distance_over(study.before, study.before)) +
+                          ", in units of what chance gives for the calibrated model)");
     }
     if (const std::string tested = none_elsewhere(study); !tested.empty())
         remarks.push_back("p is that of the model with " + tested +
-                          "; the calibrated values leave less over all, and site_extended.toml and results.gpkg have "
-                          "those");
+                          (study.moved ? std::string()
+                                       : "; the calibrated values leave less over all, and site_extended.toml and "
+                                         "results.gpkg have those"));
     if (study.judged() && study.verdict == Verdict::None && study.told().overall.beyond_chance())
         remarks.push_back(
             "no residual that was tested stands out, and yet the model is beyond chance as a whole (gap "
@@ -469,7 +479,7 @@ std::vector<std::string> diagnose_remarks(const DiagnoseStudy& study) {
         remarks.push_back(extended_name(k) + " is the site with " + study.answers[k].name() +
                           "; site_extended.toml, layers and maps have " + study.answers.front().name() +
                           ": build on neither before they are told apart");
-    if (study.verdict == Verdict::Group)
+    if (study.several())
         for (const AnswerFit& a : study.answers)
             for (const AnsweredEffect& e : a.effects)
                 remarks.push_back(e.candidate->name + " would show in " + e.variant.seen_in());

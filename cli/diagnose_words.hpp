@@ -10,6 +10,8 @@ namespace scree::cli {
 
 /// What was found, in one sentence.
 std::string verdict_sentence(const DiagnoseStudy& study);
+/// "; standard deviations and p are those of the model that was tested, with ...": where that is not the calibrated one; else empty.
+std::string tested_elsewhere(const DiagnoseStudy& study);
 /// Where the calibrated model and the measurements disagree, beyond chance even for so many looks; a sentence each, worst first.
 std::vector<std::string> where_sentences(const DiagnoseStudy& study);
 /// What lies between two screens, or the last one and the stop, whatever went wrong above: what stands out of the table, if the verdict is not NONE.

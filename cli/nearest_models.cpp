@@ -14,13 +14,16 @@ static double most_values(const ObservationTable& table) {
     return static_cast<double>(most);
 }
 
-/// Of a model that differs the gap less 1 grows with n m / (n + m), of n measured and m simulated values: simulations of different size are compared without it.
+/// Of a model that differs the distance less 1 grows with n m / (n + m), of n measured and m simulated values: simulations of different size are compared without it.
 void NearestModels::look_at(const CalibrationPoint& point, const ObservationTable& table) {
     const auto known = std::find_if(seen_.begin(), seen_.end(), [&](const Seen& s) { return s.point == point; });
     if (known != seen_.end() && known->rows >= table.rows()) return;
     const Discrepancy d = gaps_(table);
-    Seen seen{std::ranges::count_if(d.observables, &ObservableGap::counts),
-              (d.overall.gap - 1.0) * (1.0 + most_values(gaps_.measured()) / most_values(table)), table.rows(), point};
+    if (yardstick_.empty()) yardstick_ = d.observables;
+    Seen seen{
+        std::ranges::count_if(d.observables, &ObservableGap::counts),
+        (distance_over(d.observables, yardstick_) - 1.0) * (1.0 + most_values(gaps_.measured()) / most_values(table)),
+        table.rows(), point};
     if (!std::isfinite(seen.excess)) return;
     if (known != seen_.end()) seen_.erase(known);
     const auto at = std::upper_bound(seen_.begin(), seen_.end(), seen,

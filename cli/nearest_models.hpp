@@ -33,7 +33,8 @@ private:
         }
     };
     GapFunction gaps_;
-    std::vector<Seen> seen_;  ///< the nearest first
+    std::vector<ObservableGap> yardstick_;  ///< the first model seen: the floors that distances are measured by
+    std::vector<Seen> seen_;                ///< the nearest first
 };
 
 }  // namespace scree::cli

@@ -102,6 +102,7 @@ public:
     }
 
     Discrepancy result() {
+        let_passing_stand_in();
         add_overall();
         add_overall_score();
         return std::move(result_);
@@ -245,6 +246,20 @@ private:
         return count > 0.0 ? sum / count : kNaN;
     }
 
+    /// Of known blocks a motion at a screen says who passed it, too; but not where all simulated blocks are alike there.
+    void let_passing_stand_in() {
+        for (ObservableGap& passing : result_.observables) {
+            const Column& at = passing.observable.columns.front();
+            if (passing.observable.overall || !passing.observable.share || at.quantity != Quantity::Passed) continue;
+            passing.stands_in =
+                std::none_of(result_.observables.begin(), result_.observables.end(), [&](const ObservableGap& motion) {
+                    const Column& there = motion.observable.columns.front();
+                    return motion.observable.matched && !motion.observable.share && there.place == at.place &&
+                           motion.counts();
+                });
+        }
+    }
+
     bool counts(std::size_t k) const { return result_.observables[k].counts(); }
 
     void add_overall() {
@@ -307,6 +322,19 @@ Discrepancy compare_tables(const ObservationTable& measured, const ObservationTa
                            std::span<const Observable> observables, std::span<const double> scales,
                            const DiscrepancySettings& settings) {
     return Comparison(measured, simulated, observables, scales, settings).result();
+}
+
+double distance_over(std::span<const ObservableGap> model, std::span<const ObservableGap> reference) {
+    double sum = 0.0, count = 0.0;
+    for (const ObservableGap& gap : model) {
+        if (!gap.counts()) continue;
+        const auto known = std::find_if(reference.begin(), reference.end(), [&](const ObservableGap& r) {
+            return r.observable.name == gap.observable.name && std::isfinite(r.pooled.gap);
+        });
+        sum += gap.pooled.distance / (known == reference.end() ? gap.pooled.floor : known->pooled.floor);
+        count += 1.0;
+    }
+    return count > 0.0 ? sum / count : kNaN;
 }
 
 namespace {

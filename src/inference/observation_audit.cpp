@@ -501,7 +501,11 @@ private:
             find(Severity::Warning, "broken",
                  words(broken.counted("block", "blocks"), " broke on the way (", broken.text(),
                        "): simulated blocks stay whole; see observed.broken"));
-        const std::size_t blocks = o_.matched ? o_.blocks.size() : std::max(o_.stops.size(), o_.crossings.size());
+        std::map<std::int32_t, std::size_t> at_screen;
+        for (const ObservedCrossing& c : o_.crossings) ++at_screen[c.screen];
+        std::size_t blocks = o_.matched ? o_.blocks.size() : o_.stops.size();
+        for (const auto& [screen, crossings] : at_screen)
+            if (!o_.matched) blocks = std::max(blocks, crossings);
         if (blocks < kFewBlocks && o_.shares.empty())
             find(Severity::Warning, "few_blocks",
                  words("only ", blocks, blocks == 1 ? " block was" : " blocks were",

@@ -103,6 +103,7 @@ TEST(DiagnoseRefits, ByMoreThanChance) {
     const auto judged = [&](std::vector<double> gains, Verdict verdict) {
         DiagnoseStudy study = study_of({fit});
         study.verdict = verdict;
+        study.blocks = gains.size();
         study.baseline.result.held_out_log_losses.assign(gains.size(), 1.0);
         for (const double gain : gains) study.answers[0].model.result.held_out_log_losses.push_back(1.0 - gain);
         judge_refits(study);
@@ -114,6 +115,22 @@ TEST(DiagnoseRefits, ByMoreThanChance) {
     EXPECT_THAT(doubtful.demoted, HasSubstr("no more than chance can do (logarithm: 0.15 +- 0.3"));
     EXPECT_EQ(judged({-0.5, 0.7, -0.4, 0.8}, Verdict::DataProblem).verdict, Verdict::Unknown);
     EXPECT_EQ(judged({-0.5, 0.7, -0.4, 0.8}, Verdict::Group).verdict, Verdict::Group) << "no name is said";
+}
+
+// Faults that cannot be told apart are a group like any other.
+TEST(DiagnoseRefits, SeveralFaultsAreAGroup) {
+    DiagnoseStudy study = study_of({answer("speed_error", 1.0, 0.9), answer("slow_missed", 1.0, 0.9)});
+    study.verdict = Verdict::DataProblem;
+    study.blocks = 4;
+    study.baseline.result.held_out_log_losses.assign(4, 1.0);
+    for (AnswerFit& a : study.answers) a.model.result.held_out_log_losses = {1.5, 0.3, 1.4, 0.2};
+    EXPECT_EQ(study.standing(), 2U);
+    judge_refits(study);
+    EXPECT_EQ(study.verdict, Verdict::DataProblem);
+    EXPECT_EQ(study.standing(), 2U);
+    study.answers.pop_back();
+    judge_refits(study);
+    EXPECT_EQ(study.verdict, Verdict::Unknown) << "of one that stands alone more is asked";
 }
 
 TEST(DiagnoseRefits, TwoEffectsMustPredictThemBetterThanOneOfThem) {
@@ -196,12 +213,17 @@ TEST(DiagnoseRefits, TheGainOfBlocksHeldOutHasAnError) {
     DiagnoseStudy study = study_of({});
     AnswerFit fit = answer("ground_drag", 1.0, 0.9);
     EXPECT_FALSE(held_out_gain(study, fit)) << "nothing was held out";
+    study.blocks = 4;
     study.baseline.result.held_out_losses = {1.0, 5.0, 3.0, 9.0};
     fit.model.result.held_out_losses = {0.0, 4.0, 1.0, 9.0};  // 1, 1, 2 and 0 less
     const auto gain = held_out_gain(study, fit);
     ASSERT_TRUE(gain);
     EXPECT_NEAR(gain->mean, 1.0, 1e-12);
     EXPECT_NEAR(gain->error, std::sqrt(2.0 / 3.0 / 4.0), 1e-12);
+    study.blocks = 2;
+    EXPECT_NEAR(held_out_gain(study, fit)->error, std::sqrt(2.0 / 3.0 / 2.0), 1e-12)
+        << "nobody knows which records are of one block";
+    study.blocks = 4;
     EXPECT_FALSE(held_out_log_gain(study, fit));
     study.baseline.result.held_out_log_losses = {3.0, kNaN, 5.0, 7.0};
     fit.model.result.held_out_log_losses = {2.0, 1.0, 3.0, kNaN};  // 1 and 2 less where both are known

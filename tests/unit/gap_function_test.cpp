@@ -6,6 +6,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 
 namespace scree {
@@ -129,6 +130,39 @@ TEST(GapFunction, IsLeastAtTheTruth) {
     EXPECT_GT(gaps(campaign_of(12.0), 1).overall.gap, 5.0 * best_pooled);
     EXPECT_GT(gaps(campaign_of(-12.0), 1).overall_score->distance, 1.2 * best_score)
         << "grows with distance, not with its square";
+}
+
+// Where no simulated block gets to a screen speeds there are all alike and have no gap: that measured blocks got there counts all the same.
+TEST(GapFunction, AScreenThatNobodyReachesCounts) {
+    const GapFunction gaps(test_of(0.0), test_operator());
+    CampaignResult nobody = campaign_of(0.0);
+    nobody.crossings.clear();
+    const auto passing = [](const Discrepancy& d) {
+        return *std::ranges::find(d.observables, "passing screen",
+                                  [](const ObservableGap& g) { return g.observable.name; });
+    };
+    const Discrepancy reached = gaps(campaign_of(0.0), 1), missed = gaps(nobody, 1);
+    EXPECT_FALSE(passing(reached).counts()) << "speeds say it there";
+    EXPECT_TRUE(passing(missed).counts());
+    EXPECT_EQ(std::ranges::count_if(missed.observables, &ObservableGap::counts),
+              std::ranges::count_if(reached.observables, &ObservableGap::counts));
+    EXPECT_GT(missed.overall.gap, 5.0 * reached.overall.gap);
+}
+
+// A model 6 m off lowers its gap by scattering three times as much; by distances in floors of the narrow one it does not.
+TEST(GapFunction, ScatterDoesNotBringAModelNearer) {
+    const GapFunction gaps(test_of(0.0), test_operator());
+    CampaignResult narrow = campaign_of(6.0), wide = narrow;
+    for (std::size_t k = 0; k < wide.blocks.size(); ++k) {
+        const Vec2 centre(36.0 + 2.0 * static_cast<double>(k % kBlocks), 0.0);
+        wide.blocks[k].stop.head<2>() = centre + 3.0 * (wide.blocks[k].stop.head<2>() - centre);
+    }
+    const Discrepancy of_narrow = gaps(narrow, 1), of_wide = gaps(wide, 1), of_truth = gaps(campaign_of(0.0), 1);
+    EXPECT_LT(of_wide.overall.gap, of_narrow.overall.gap) << "or the test says nothing";
+    const auto distance = [&](const Discrepancy& d) { return distance_over(d.observables, of_narrow.observables); };
+    EXPECT_GT(distance(of_wide), distance(of_narrow));
+    EXPECT_LT(distance(of_truth), distance(of_narrow));
+    EXPECT_NEAR(distance(of_narrow), of_narrow.overall.gap, 1e-12);
 }
 
 TEST(GapFunction, OfSomeRowsIsThatOfATestOfTheseBlocks) {

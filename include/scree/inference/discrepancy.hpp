@@ -101,9 +101,15 @@ struct ObservableGap {
     std::optional<Gap> score;  ///< of matched observables that are no shares
     std::optional<WassersteinGap> wasserstein;
     std::string status;  ///< why there is no gap; empty: there is one
+    /// Who passed a screen, in place of motions there of which none has a gap, as where no simulated block gets there.
+    bool stands_in = false;
     /// Is part of the overall gap.
-    bool counts() const { return observable.overall && std::isfinite(pooled.gap); }
+    bool counts() const { return (observable.overall || stands_in) && std::isfinite(pooled.gap); }
 };
+
+/// Mean distance of the observables that count, each in units of its floor in `reference`, another comparison of the same measurements (of its own where that has none) [-].
+/// Models are chosen by this: a model can lower its own gap by scattering more, for that raises its floor. NaN if none counts.
+double distance_over(std::span<const ObservableGap> model, std::span<const ObservableGap> reference);
 
 struct Discrepancy {
     std::vector<ObservableGap> observables;
