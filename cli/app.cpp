@@ -204,7 +204,10 @@ ExitCode dispatch(const std::vector<std::string>& args, Context& context) {
 }  // namespace
 
 std::string version() {
-    return SCREE_VERSION;
+    constexpr std::string_view kCommit =
+#include "commit.inc"
+        ;
+    return std::string(SCREE_VERSION) + (kCommit.empty() ? "" : " (" + std::string(kCommit) + ")");
 }
 
 void print_warnings(const Context& context, const std::vector<std::string>& warnings) {
@@ -252,7 +255,8 @@ int run(const std::vector<std::string>& args, std::ostream& out, std::ostream& e
         if (e.code() != std::errc::no_space_on_device && e.code() != std::errc::io_error)
             return static_cast<int>(ExitCode::BadInput);
     } catch (const std::bad_alloc&) {
-        err << "error: not enough memory: take a coarser resolution, a smaller DTM or fewer blocks\n";
+        err << "error: not enough memory: take a coarser resolution, a smaller DTM or fewer blocks (a block "
+               "takes some 200 bytes, release.count)\n";
     } catch (const std::exception& e) {
         err << "error: " << e.what() << "\n";
     }

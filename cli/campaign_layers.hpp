@@ -6,6 +6,7 @@
 #include "scree/base/units.hpp"
 #include "scree/ensemble/campaign.hpp"
 
+#include <algorithm>
 #include <string>
 #include <vector>
 
@@ -32,9 +33,9 @@ inline constexpr QuantityInfo kQuantities[] = {
 /// Quantiles that are written [%].
 inline constexpr int kPercents[] = {50, 90, 95, 98, 99};
 
-/// Mean of a quantity over so many passages.
+/// Mean of a quantity over so many passages; the sum is rounded, the largest value is not.
 inline double mean_of(const QuantityStatistics& s, std::int64_t passages) {
-    return 1e-4 * static_cast<double>(s.sum) / static_cast<double>(passages);
+    return std::min(1e-4 * static_cast<double>(s.sum) / static_cast<double>(passages), s.largest);
 }
 
 /// The results of a campaign as the layers of results.gpkg and the rasters, ready to be written.

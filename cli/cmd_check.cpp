@@ -2,6 +2,8 @@
 #include "cli/commands.hpp"
 #include "cli/profile_layers.hpp"
 #include "cli/site_model.hpp"
+#include "cli/text.hpp"
+#include "scree/base/units.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -38,7 +40,7 @@ std::string layer_text(const gis::VectorData& data) {
            ", " + report_text(data.report);
 }
 
-void print_terrain(std::ostream& out, const SiteTerrain& terrain) {
+void print_terrain(std::ostream& out, const SiteTerrain& terrain, const std::string& slopes) {
     const gis::Terrain& t = terrain.data;
     const GridShape& g = t.grid.shape;
     const MapPoint low = t.frame.to_map({g.bounds().min.x(), g.bounds().min.y(), 0.0}),
@@ -57,7 +59,8 @@ void print_terrain(std::ostream& out, const SiteTerrain& terrain) {
         << fixed(t.resampling.rms_difference, 3) << " m (root mean square), " << fixed(t.resampling.max_difference, 2)
         << " m (largest)\n"
         << "               " << extent({low.easting, low.northing}, {high.easting, high.northing}) << "\n"
-        << "               " << terrain.surface_report << "\n";
+        << "               " << terrain.surface_report << "\n"
+        << "               " << slopes << "\n";
     double area = 0.0;
     for (const double a : t.soils.area) area += a;
     for (std::size_t k = 0; k < t.soils.soils.size(); ++k)
@@ -70,11 +73,64 @@ void print_terrain(std::ostream& out, const SiteTerrain& terrain) {
             << " m2 are facets on a boundary between soils, each with the soil of its centroid\n";
 }
 
+/// Slopes of the model terrain, by area: heights in the wrong unit make them absurd.
+constexpr double kSteep = 60.0;  ///< half of the area: hardly a slope is so [degrees]
+constexpr double kGentle = 5.0;  ///< nearly all of it: no block would go far [degrees]
+std::string slope_text(const Surface& surface, std::vector<std::string>& warnings) {
+    std::vector<std::pair<double, double>> slopes;  // [degrees], [m2]
+    double area = 0.0;
+    for (std::int64_t f = 0; f < surface.facet_count(); ++f) {
+        std::array<Vec3, 3> corner;
+        SoilId soil = 0;
+        if (!surface.facet(f, corner, soil)) continue;
+        const Vec3 normal = (corner[1] - corner[0]).cross(corner[2] - corner[0]);
+        slopes.emplace_back(degrees_from_radians(std::atan2(normal.head<2>().norm(), normal.z())), 0.5 * normal.z());
+        area += slopes.back().second;
+    }
+    std::sort(slopes.begin(), slopes.end());
+    const auto quantile = [&](double share) {
+        double below = 0.0;
+        for (const auto& [slope, own] : slopes)
+            if ((below += own) >= share * area) return slope;
+        return slopes.empty() ? kNaN : slopes.back().first;
+    };
+    const double median = quantile(0.5);
+    if (median > kSteep)
+        warnings.push_back("half of the terrain is steeper than " + fixed(median, 0) +
+                           " degrees: are its heights in metres, and its cells?");
+    if (quantile(0.95) < kGentle)
+        warnings.push_back("95 % of the terrain are gentler than " + fixed(quantile(0.95), 1) +
+                           " degrees: are its heights in metres, and its cells?");
+    return "slopes of " + fixed(quantile(0.05), 0) + ", " + fixed(median, 0) + " and " + fixed(quantile(0.95), 0) +
+           " degrees (5 %, half and 95 % of the area lie below)";
+}
+
+/// What the first blocks of a distribution are.
+std::string drawn_blocks(const CampaignInput& c) {
+    constexpr std::uint64_t kTried = 200;
+    const BlockPopulation population = reshaped(c.population, c.effects);
+    Eigen::Array3d low = Eigen::Array3d::Constant(kInfinity), high = -low;
+    for (std::uint64_t k = 0; k < kTried; ++k) {
+        const ConvexBlock block = draw_block(population, c.seed, k).body;
+        const Eigen::Array3d own(block.volume, block.mass, block.size.x());
+        low = low.min(own);
+        high = high.max(own);
+    }
+    const auto range = [&](const auto& text, int k) {
+        const std::string from = text(low[k]), to = text(high[k]);
+        return from == to ? from : from + " to " + to;
+    };
+    const auto whole = [](double v) { return fixed(v, 0); };
+    const auto hundredths = [](double v) { return fixed(v, 2); };
+    return range(short_number, 0) + " m3, " + range(whole, 1) + " kg, L1 " + range(hundredths, 2) + " m (the first " +
+           std::to_string(kTried) + ")";
+}
+
 void print_blocks(std::ostream& out, const SiteModel& m) {
     const BlockPopulation& p = m.campaign.population;
     if (p.list.empty()) {
         out << "blocks         drawn from distributions, volume law "
-            << kVolumeLawNames[static_cast<std::size_t>(p.distribution.law)];
+            << kVolumeLawNames[static_cast<std::size_t>(p.distribution.law)] << ": " << drawn_blocks(m.campaign);
     } else {
         auto [light, heavy] = std::minmax_element(p.list.begin(), p.list.end(),
                                                   [](const auto& a, const auto& b) { return a.mass < b.mass; });
@@ -168,12 +224,13 @@ void print_release(std::ostream& out, const SiteModel& m) {
 
 ExitCode run_check(const Context& context) {
     const SiteFile site = context.read_site();
-    const SiteModel model = load_site(site);
+    SiteModel model = load_site(site);
+    const std::string slopes = slope_text(*model.terrain.surface, model.warnings);
     print_warnings(context, model.warnings);
     if (context.quiet) return ExitCode::Done;
     std::ostream& out = *context.out;
     out << "site           " << site.settings.name << " (" << site.file.string() << ")\n";
-    print_terrain(out, model.terrain);
+    print_terrain(out, model.terrain, slopes);
     if (model.terrain.data.zones) out << "zones          " << report_text(*model.terrain.data.zones) << "\n";
     if (model.terrain.data.breaklines) out << "breaklines     " << report_text(*model.terrain.data.breaklines) << "\n";
     if (model.in_plane()) print_profiles(out, model);
@@ -184,7 +241,9 @@ ExitCode run_check(const Context& context) {
     if (model.screens) out << "screens        " << layer_text(*model.screens) << "\n";
     if (model.deposit_zones) out << "deposit zones  " << layer_text(*model.deposit_zones) << "\n";
     out << "Inputs are good" << (model.warnings.empty() ? "" : ", with warnings") << ". Next: scree run "
-        << site.file.string() << "\n";
+        << shell_word(site.file.string());
+    for (const std::string& change : context.changes) out << " --set " << shell_word(change);
+    out << "\n";
     return ExitCode::Done;
 }
 

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "cli/commands.hpp"
+#include "cli/text.hpp"
 
 #include <filesystem>
 #include <fstream>
@@ -81,7 +82,7 @@ ExitCode run_init(const Context& context) {
         throw ComputeError(file.string() + " could not be stored; check that the disc has room");
     }
     *context.out << "Wrote " << file.string() << "\nPut your data into " << (folder / "data").string()
-                 << ", adapt the file, then: scree check " << file.string() << "\n";
+                 << ", adapt the file, then: scree check " << shell_word(file.string()) << "\n";
     return ExitCode::Done;
 }
 

@@ -96,6 +96,10 @@ void print_summary(std::ostream& out, const SiteModel& model, const CampaignResu
     for (const Screen& screen : model.campaign.screens) {
         if (std::find(seen.begin(), seen.end(), screen.name) != seen.end()) continue;
         seen.push_back(screen.name);
+        if (!model.met_screens.contains(screen.name)) {
+            out << "screen         " << screen.name << ": stands where no block can pass\n";
+            continue;
+        }
         std::vector<double> speeds, energies;
         for (const ScreenCrossing& c : r.crossings) {
             if (model.campaign.screens[static_cast<std::size_t>(c.screen)].name != screen.name) continue;
@@ -112,7 +116,12 @@ void print_summary(std::ostream& out, const SiteModel& model, const CampaignResu
                 << short_number(sample_quantile(energies, 0.95)) << " kJ";
         out << "\n";
     }
-    for (const DepositCount& d : r.deposits) {
+    for (std::size_t z = 0; z < r.deposits.size(); ++z) {
+        const DepositCount& d = r.deposits[z];
+        if (!model.met_zones[z]) {
+            out << "deposit zone   " << d.name << ": lies where no block can stop\n";
+            continue;
+        }
         const auto [low, high] = wilson_interval(d.count, r.released);
         out << "deposit zone   " << d.name << ": " << percent(d.count, r.released) << " (95 % interval "
             << short_number(100.0 * low) << " to " << short_number(100.0 * high) << " %)\n";
@@ -149,19 +158,23 @@ ExitCode run_run(const Context& context) {
         return ExitCode::Interrupted;
     }
 
+    // who asked for a new result in the place of the old one did not ask for a part of it
+    const bool beside = result.interrupted && fs::exists(folder) && !fs::is_empty(folder);
+    const fs::path written = beside ? fs::path(folder.string() + ".interrupted") : folder;
+
     gis::ResultsPackage package;
     package.frame = model.terrain.data.frame;
     package.title = site.settings.name;
     package.vectors = campaign_vectors(model, result);
     package.rasters = campaign_rasters(model, result);
     package.provenance = provenance(site, model, result);
-    package.files.push_back({"run.toml", reproducing_toml(site, result, folder, "scree run run.toml")});
+    package.files.push_back({"run.toml", reproducing_toml(site, result, written, "scree run run.toml")});
     if (model.in_plane()) package.files.push_back({"profile_curves.csv", curves_csv(model, result)});
     for (gis::TextFile& picture : run_pictures(site, model, result)) package.files.push_back(std::move(picture));
     add_hard_problems(result, static_cast<std::size_t>(site.settings.contact_problems), package);
-    gis::write_results(folder, package, context.overwrite);
+    gis::write_results(written, package, context.overwrite);
 
-    if (!context.quiet) print_summary(*context.out, model, result, folder);
+    if (!context.quiet) print_summary(*context.out, model, result, written);
     const std::int64_t failed = result.reasons[static_cast<std::size_t>(StopReason::Failed)];
     if (failed > 0)
         *context.err
@@ -188,7 +201,9 @@ ExitCode run_run(const Context& context) {
     warn_of(StopReason::TimeLimit, false, "were still moving at the time limit", "raise model.time_limit");
     if (!result.interrupted) return ExitCode::Done;
     *context.err << "interrupted: " << result.released << " of " << model.campaign.release.count
-                 << " blocks were thrown and are written; the results say so\n";
+                 << " blocks were thrown and are written" << (beside ? " to " + written.string() : std::string())
+                 << "; the results say so"
+                 << (beside ? ", and what was in " + folder.string() + " is as it was" : std::string()) << "\n";
     return ExitCode::Interrupted;
 }
 

@@ -56,7 +56,7 @@ ExitCode run_diagnose(const Context& context);
 ExitCode run_settings(const Context& context);
 ExitCode run_effects(const Context& context);
 
-/// Version of the program.
+/// Version of the program and, where git knew it, the commit that it was built from: "0.1.0 (6e355a4)", with a plus if files were changed.
 std::string version();
 /// Prints warnings to the error stream, each once.
 void print_warnings(const Context& context, const std::vector<std::string>& warnings);

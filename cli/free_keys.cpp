@@ -111,7 +111,7 @@ public:
             name == "release.count" || name == "release.pattern")
             refuse(
                 "names a key that cannot be calibrated: take numbers and choices of [[soil]], [[effect]], [blocks], "
-                "[release] and [model]");
+                "[release] and [model], but for release.count, release.pattern, model.seed and model.dimension");
         for (const auto& p : keys.problem.parameters) refuse_twice(name, p.name);
         for (const auto& c : keys.problem.choices) refuse_twice(name, c.name);
         number ? add_parameter(keys, name, key, text) : add_choice(keys, name, key, text);

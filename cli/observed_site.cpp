@@ -92,6 +92,15 @@ ObservedSite load_observed(const SiteFile& site, const SiteModel& model, const s
         gis::read_observations(path, model.terrain.data.frame, model.terrain.data.grid.shape.bounds());
     ObservedSite observed = resolve_observations(site, model, records);
     observed.files = gis::input_files(observed.inputs);
+    if (!has_values(observed)) {
+        if (std::none_of(observed.findings.begin(), observed.findings.end(),
+                         [](const Finding& f) { return f.severity == Severity::Error; }))
+            observed.findings.push_back(
+                {Severity::Error, "nothing measured",
+                 "nothing in it can be compared: stopping points need easting_m and northing_m (or longitude_deg and "
+                 "latitude_deg), crossings of screens the screen (gis/README.md lists all columns)"});
+        return observed;
+    }
 
     AuditSite audit;
     audit.surface = model.terrain.surface.get();
@@ -103,11 +112,6 @@ ObservedSite load_observed(const SiteFile& site, const SiteModel& model, const s
     audit.map_height = model.terrain.data.frame.height;
     for (Finding& f : audit_observations(observed.observations, observed.op, audit))
         observed.findings.push_back(std::move(f));
-    if (!has_values(observed))
-        observed.findings.push_back(
-            {Severity::Error, "nothing measured",
-             path + ": nothing in it can be compared: stopping points need easting_m and northing_m (or longitude_deg "
-                    "and latitude_deg), crossings of screens the screen (gis/README.md lists all columns)"});
     std::stable_sort(observed.findings.begin(), observed.findings.end(),
                      [](const Finding& a, const Finding& b) { return a.severity > b.severity; });
     return observed;

@@ -64,7 +64,10 @@ void add_marks(const SiteFile& site, SiteModel& model) {
         }
     }
     for (const auto& [name, stands] : met)
-        if (!stands) model.warnings.push_back("screen " + name + " stands on no profile: no block will cross it in 2D");
+        if (stands)
+            model.met_screens.insert(name);
+        else
+            model.warnings.push_back("screen " + name + " stands on no profile: no block will cross it in 2D");
 }
 
 /// Half the width of the widest of blocks [m]: a tree farther from a profile is passed by.
@@ -114,8 +117,9 @@ void warn_of_what_is_not_met(const SiteFile& site, SiteModel& model) {
                                  " profiles meet no release feature: no block starts on them");
     for (std::size_t z = 0; z < model.campaign.deposit_zones.size(); ++z) {
         const auto& area = std::get<MultiPolygon>(model.deposit_zones->layer.features[z].geometry);
-        if (std::none_of(model.campaign.tracks.begin(), model.campaign.tracks.end(),
-                         [&](const ProfileTrack& t) { return !t.profile.inside(area).empty(); }))
+        model.met_zones.push_back(std::any_of(model.campaign.tracks.begin(), model.campaign.tracks.end(),
+                                              [&](const ProfileTrack& t) { return !t.profile.inside(area).empty(); }));
+        if (!model.met_zones.back())
             model.warnings.push_back("deposit zone " + model.campaign.deposit_zones[z].name +
                                      " lies on no profile: no block can stop in it in 2D");
     }

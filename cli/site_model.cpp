@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "cli/site_model.hpp"
 
+#include "cli/off_ground.hpp"
 #include "cli/plane_model.hpp"
 #include "cli/text.hpp"
 #include "gis/dataset.hpp"
@@ -126,8 +127,12 @@ void add_release_area(const SiteFile& site, SiteModel& model) {
         model.area = std::make_unique<ReleaseArea>(model.release.layer, *model.terrain.surface, s.releases.pattern,
                                                    model.terrain.data.grid.shape);
     } catch (const InputError& e) {
-        throw InputError(model.release.report.file + ": " + e.what() + " (the terrain is " +
-                         model.terrain.data.dtm.file + ")");  // the core knows no files
+        const gis::Terrain& terrain = model.terrain.data;
+        throw InputError(model.release.report.file + ": " + e.what() + " (it spans " +
+                         gis::extent_text(model.release.report.extent, terrain.frame) + ", the terrain " +
+                         terrain.dtm.file + " " + gis::extent_text(terrain.grid.shape.bounds(), terrain.frame) +
+                         ", of which " + short_number(100.0 * terrain.dtm.valid_fraction) +
+                         " % have a height)");  // the core knows no files
     }
     if (const double off = 1.0 - model.area->inside_share(); off > 0.001) {
         model.warnings.push_back(s.release.file + ": about " + short_number(100.0 * off) +
@@ -175,6 +180,24 @@ static void require_screens_of_effects(const SiteFile& site, const CampaignInput
             site.file.string() + ": effect " + effect_info(effect.kind).name + ": there is no screen \"" + name + "\"" +
             (names.empty() ? ": the site has no [screens]" : "; there are " + listed({names.begin(), names.end()})));
     }
+}
+
+/// A rolling resistance is the way by which the ground's push runs ahead of the middle of a block: farther out than its edge there is no contact to push.
+static void warn_of_rolling(SiteModel& model) {
+    constexpr std::uint64_t kTried = 200;
+    const BlockPopulation population = reshaped(model.campaign.population, model.campaign.effects);
+    double largest = 0.0;
+    if (population.list.empty()) {
+        for (std::uint64_t k = 0; k < kTried; ++k)
+            largest = std::max(largest, draw_block(population, model.campaign.seed, k).body.size.x());
+    } else {
+        for (const BlockRow& row : population.list) largest = std::max(largest, row.size.x());
+    }
+    for (const Soil& soil : model.campaign.soils)
+        if (soil.rolling > 0.5 * largest)
+            model.warnings.push_back("soil." + soil.name + ".rolling = " + short_number(soil.rolling) +
+                                     " m is more than half the length of the largest block (" + short_number(largest) +
+                                     " m): no block can roll there; it is a length in metres, of centimetres mostly");
 }
 
 /// Longest step of the paper's scheme that is used without a word [s].
@@ -227,8 +250,11 @@ SiteModel load_site(const SiteFile& site) {
     c.impacts = static_cast<std::int32_t>(s.impacts);
     if (s.dimension == 2)
         add_profiles(site, model);
-    else
+    else {
         add_release_area(site, model);
+        find_off_ground(model);
+    }
+    warn_of_rolling(model);
     require_screens_of_effects(site, c);
     model.files = gis::input_files(model.inputs);
     return model;

@@ -8,6 +8,7 @@
 
 #include <memory>
 #include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -23,6 +24,9 @@ struct SiteModel {
     gis::VectorData release;
     std::optional<gis::VectorData> screens;
     std::optional<gis::VectorData> deposit_zones;
+    std::set<std::string>
+        met_screens;  ///< names of those that stand where a block could pass: over ground, in 2D on a profile
+    std::vector<bool> met_zones;  ///< the same of every deposit zone
     std::vector<std::string> unread_block_columns;
     std::vector<std::string> inputs;    ///< files read, as opened
     std::vector<gis::InputFile> files;  ///< on disc behind them, as they were when read

@@ -27,8 +27,11 @@ std::string chance_text(const Gap& gap);
 /// "0.30", "0.047", "0.0005": of small ones one digit, which is as small as the draws of chance can tell.
 std::string p_text(double p);
 
-/// A column of a table, filled up with spaces.
+/// A column of a table, filled up with spaces; UTF-8.
 std::string padded(std::string text, std::size_t width);
+
+/// As a shell takes it for one word: in quotes where it has to be.
+std::string shell_word(const std::string& text);
 
 /// "A, B, C".
 std::string listed(const std::vector<std::string>& names);

@@ -24,14 +24,15 @@ const std::vector<std::string> kPositionFields{"easting_m",    "northing_m", "lo
                                                "latitude_deg", "z_m",        "crs"};
 const std::vector<std::string> kBodyFields{"block_id", "order", "mass_kg", "l1_m", "l2_m", "l3_m"};
 
-constexpr double kMaxMass = 1e7;           // [kg]
-constexpr double kMaxEdge = 50.0;          // [m]
-constexpr double kMaxSpeed = 300.0;        // [m/s]
-constexpr double kMaxSpin = 1000.0;        // [rad/s]
-constexpr double kMaxError = 1000.0;       // [m, m/s, ...]
-constexpr double kMaxImpacts = 10.0;       // of a block [-]
-constexpr double kMaxBlocks = 1e9;         // [-]
-constexpr double kPercentRounding = 0.06;  // [%] of a share that is printed with one decimal
+constexpr double kMaxMass = 1e7;                // [kg]
+constexpr double kMaxEdge = 50.0;               // [m]
+constexpr double kMaxSpeed = 300.0;             // [m/s]
+constexpr double kMaxSpin = 1000.0;             // [rad/s]
+constexpr double kMaxError = 1000.0;            // [m, m/s, ...]
+constexpr double kMaxImpacts = 10.0;            // of a block [-]
+constexpr double kMaxBlocks = 1e9;              // [-]
+constexpr double kPercentRounding = 0.06;       // [%] of a share that is printed with one decimal
+constexpr double kWholePercentRounding = 0.51;  // [%] of one without
 
 std::vector<std::string> joined(std::vector<std::string> a, const std::vector<std::string>& b) {
     a.insert(a.end(), b.begin(), b.end());
@@ -152,10 +153,16 @@ void add_shares(RecordTable& table, ObservationRecords& records) {
         if (blocks > released)
             table.refuse(
                 r, words("counts ", blocks, " blocks in the zone but ", released, " released; mend one of them."));
-        if (!std::isnan(percent) && std::abs(100.0 * blocks / released - percent) >
-                                        kPercentRounding + (std::isnan(count) ? 50.0 / released : 0.0))
-            table.refuse(
-                r, words("says ", percent, " % but counts ", blocks, " of ", released, " blocks; mend one of them."));
+        const double rounding = percent == std::floor(percent) ? kWholePercentRounding : kPercentRounding;
+        if (!std::isnan(percent) && std::abs(100.0 * blocks / released - percent) > rounding) {
+            if (!std::isnan(count))
+                table.refuse(r, words("says ", percent, " % but counts ", blocks, " of ", released,
+                                      " blocks; mend one of them."));
+            table.refuse(r,
+                         words("says ", percent, " % of ", released, " blocks, which are ", 0.01 * percent * released,
+                               ": no whole number of them; percent goes from 0 to 100 (70, not 0.7), mend it or "
+                               "give the count."));
+        }
         share.count = static_cast<std::int64_t>(blocks);
         share.thrown = static_cast<std::int64_t>(released);
         records.shares.push_back(share);

@@ -206,10 +206,18 @@ void ResultsFolder::commit() {
     for (const fs::path& file : files_below(staging_)) flush(staging_ / file);
     flush(staging_);
     committed_ = true;  // from here on it is somebody's
-    if (!overwrite_ && fs::exists(final_) && !fs::is_empty(final_))
+    const auto refuse_foreign = [&] {
         throw InputError(final_.string() + ": another program has written there meanwhile; this result is kept in " +
                          staging_.string() + ": rename that folder, or remove it");
-    const bool replaced = swap_folders(staging_, final_);
+    };
+    if (!overwrite_ && fs::exists(final_) && !fs::is_empty(final_)) refuse_foreign();
+    bool replaced = false;
+    try {
+        replaced = swap_folders(staging_, final_);
+    } catch (const fs::filesystem_error& error) {
+        if (error.code() == std::errc::directory_not_empty || error.code() == std::errc::file_exists) refuse_foreign();
+        throw;
+    }
     flush(final_.parent_path());
     if (!replaced) return;
     try {

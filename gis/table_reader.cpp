@@ -217,7 +217,11 @@ std::vector<double> number_column(const Table& table, const std::string& column,
 }
 
 BlockList read_block_list(const std::string& file) {
-    const Table table = read_table(file, "block list");
+    Table table = read_table(file, "block list");
+    constexpr std::array<const char*, 5> kColumns{"block_id", "mass_kg", "L1_m", "L2_m", "L3_m"};
+    for (std::string& name : table.header)
+        for (const char* column : kColumns)
+            if (lower_case(name) == lower_case(column)) name = column;
     BlockList list;
     list.warnings = table.warnings;
     const std::string place = words("The block list '", file, "'");
@@ -229,14 +233,16 @@ BlockList read_block_list(const std::string& file) {
                      kMaxBoxDensity = 3500;  // mass over the volume of the box around the block [kg/m^3]
     constexpr double kAbsurd = 4.0;          // times beyond these: no block, a slip of units [-]
     std::string missing;
-    for (const char* name : {"block_id", "mass_kg", "L1_m", "L2_m", "L3_m"}) {
+    for (const char* name : kColumns) {
         if (std::find(table.header.begin(), table.header.end(), name) == table.header.end())
             missing += words(missing.empty() ? "'" : ", '", name, "'");
     }
     if (!missing.empty()) {
-        throw InputError(words(place, " lacks the column ", missing,
-                               "; it must have block_id, mass_kg, L1_m, L2_m, L3_m",
-                               table.header.size() == 1 ? ", separated by commas, semicolons or tabs." : "."));
+        std::string found;
+        for (const std::string& name : table.header) found += words(found.empty() ? "'" : ", '", name, "'");
+        throw InputError(words(
+            place, " lacks the column ", missing, "; it must have block_id, mass_kg, L1_m, L2_m, L3_m",
+            table.header.size() == 1 ? ", separated by commas, semicolons or tabs" : "", ", and has ", found, "."));
     }
     const std::size_t id = column_index(table, "block_id");
     const std::vector<double> mass = number_column(table, "mass_kg", 0, kMaxMass);
@@ -244,8 +250,7 @@ BlockList read_block_list(const std::string& file) {
                               number_column(table, "L3_m", 0, kMaxEdge)};
 
     for (const std::string& name : table.header)
-        if (name != "block_id" && name != "mass_kg" && name != "L1_m" && name != "L2_m" && name != "L3_m")
-            list.unread_columns.push_back(name);
+        if (std::find(kColumns.begin(), kColumns.end(), name) == kColumns.end()) list.unread_columns.push_back(name);
     std::vector<std::pair<std::string, std::size_t>> seen;
     std::size_t unsorted = 0, strange = 0, first_unsorted = 0, first_strange = 0;
     for (std::size_t r = 0; r < table.rows.size(); ++r) {

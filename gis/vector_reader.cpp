@@ -36,11 +36,6 @@ std::string kind_name(GeometryKind kind) {
     return "no geometries";
 }
 
-std::string span(const Box2& box, const LocalFrame& frame) {
-    return words("easting ", fixed(box.min.x() + frame.easting, 1), " to ", fixed(box.max.x() + frame.easting, 1),
-                 ", northing ", fixed(box.min.y() + frame.northing, 1), " to ", fixed(box.max.y() + frame.northing, 1));
-}
-
 OGRLayer& chosen_layer(GDALDataset& dataset, const VectorSource& source) {
     std::string names;
     std::vector<OGRLayer*> candidates;
@@ -345,10 +340,11 @@ private:
                 if (++across == 1) first_across = id;
             }
         }
+        data_.report.extent = all;
         if (outside == boxes_.size() && !boxes_.empty()) {
             refuse(words(
-                "lies wholly outside of the terrain: it spans ", span(all, frame_),
-                " in the terrain's CRS, the terrain ", span(extent_, frame_),
+                "lies wholly outside of the terrain: it spans ", extent_text(all, frame_),
+                " in the terrain's CRS, the terrain ", extent_text(extent_, frame_),
                 fits_when_swapped()
                     ? "; with x and y exchanged it would fit: write longitude or easting first."
                     : "; check its coordinates and its CRS" +
@@ -399,6 +395,11 @@ std::vector<std::string> layer_names(const std::string& file, const std::string&
     for (int i = 0; i < dataset->GetLayerCount(); ++i)
         if (OGRLayer* layer = dataset->GetLayer(i)) names.emplace_back(layer->GetName());
     return names;
+}
+
+std::string extent_text(const Box2& box, const LocalFrame& frame) {
+    return words("easting ", fixed(box.min.x() + frame.easting, 1), " to ", fixed(box.max.x() + frame.easting, 1),
+                 ", northing ", fixed(box.min.y() + frame.northing, 1), " to ", fixed(box.max.y() + frame.northing, 1));
 }
 
 VectorData read_vector(const VectorSource& source, const LocalFrame& frame, const Box2& extent) {

@@ -25,6 +25,7 @@ struct VectorReport {
     std::string crs_name;   ///< with its code where it has one; empty: unknown
     std::string operation;  ///< PROJ's name of the transformation into the map frame; empty: none was needed
     double accuracy = 0.0;  ///< of that transformation as PROJ states it; NaN: unknown [m]
+    Box2 extent;            ///< of all features, local frame [m]
     std::vector<std::string> warnings;
 };
 
@@ -41,6 +42,9 @@ struct VectorData {
 /// repaired. Features without a geometry are left out with a warning. An edge is straight in the map frame between its transformed
 /// ends. A layer that lies wholly outside of the extent is refused; features that do or that reach beyond it give a warning.
 VectorData read_vector(const VectorSource& source, const LocalFrame& frame, const Box2& extent);
+
+/// "easting 890.0 to 1050.0, northing ...", on the map.
+std::string extent_text(const Box2& box, const LocalFrame& frame);
 
 /// Names of all layers and tables of a file.
 std::vector<std::string> layer_names(const std::string& file, const std::string& purpose);

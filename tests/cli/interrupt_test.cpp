@@ -43,6 +43,26 @@ TEST(Interrupt, WritesWhatWasDoneAndSaysSo) {
     EXPECT_FALSE(read_points(out / "results.gpkg", "release_points").empty());
 }
 
+// Who asks for a new result in the place of an old one has not asked for a part of it.
+TEST(Interrupt, OverwritesNoResultWithAPartOfOne) {
+    const TempDir folder;
+    const fs::path out = folder / "out", part = folder / "out.interrupted";
+    ASSERT_EQ(run_quarry_a(out).code, 0);
+    const auto before = contents_of(out);
+    Process run({"run", (quarry_a() / "site.toml").string(), "--set", "release.count=" + std::to_string(kManyBlocks),
+                 "--output", out.string(), "--overwrite", "--progress=json", "--quiet"});
+    std::string line = run.line();
+    while (!line.empty() && line.find("\"done\"") == std::string::npos) line = run.line();
+    run.interrupt();
+    std::string last;
+    while (!(line = run.line()).empty()) last = line;
+    ASSERT_EQ(run.wait(), 130);
+    EXPECT_THAT(last, HasSubstr("written to " + part.string()));
+    EXPECT_EQ(contents_of(out), before);
+    EXPECT_THAT(text_of(part / "run.toml"), HasSubstr("INTERRUPTED"));
+    EXPECT_FALSE(read_points(part / "results.gpkg", "stopping_points").empty());
+}
+
 TEST(Interrupt, OfAComparisonWritesNothing) {
     const TempDir folder;
     put(folder / "zones.csv", "name,count,released\n4A,18,20\n");

@@ -58,7 +58,7 @@ TEST(Plane, ADepositZoneThatNoProfileMeetsIsEmpty) {
     ASSERT_EQ(run.code, 0) << run.err;
     EXPECT_THAT(run.err, HasSubstr("deposit zone beside lies on no profile"));
     EXPECT_THAT(run.err, HasSubstr("2 features are called 'beside': a run counts in each of them"));
-    EXPECT_THAT(run.out, HasSubstr("beside: 0 %"));
+    EXPECT_THAT(run.out, HasSubstr("beside: lies where no block can stop"));
 }
 
 // The profile of the lower polygon has its head above the upper one, on whose part of it blocks start, too; and who falls off a profile is told where.

@@ -83,6 +83,11 @@ RasterFacts raster_facts(const fs::path& file) {
     return facts;
 }
 
+std::vector<double> raster_cells(const fs::path& file) {
+    const auto raster = open(file, GDAL_OF_RASTER);
+    return raster ? pixels_of(*raster) : std::vector<double>{};
+}
+
 double raster_at(const fs::path& file, double easting, double northing) {
     const auto raster = open(file, GDAL_OF_RASTER);
     std::array<double, 6> t{};

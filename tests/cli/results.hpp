@@ -32,6 +32,8 @@ struct RasterFacts {
     bool finite = true;        ///< no infinity among them
 };
 RasterFacts raster_facts(const std::filesystem::path& file);
+/// All cells of a raster, row by row from the north-west; NaN where there is no value [unit of the raster].
+std::vector<double> raster_cells(const std::filesystem::path& file);
 /// Height of a raster at a point: that of the cell it lies in; NaN outside [m].
 double raster_at(const std::filesystem::path& file, double easting, double northing);
 /// Is this line a JSON object with all these members?

@@ -5,6 +5,7 @@
 #include "cli/site_file.hpp"
 #include "cli/site_model.hpp"
 #include "cli/terrain_layers.hpp"
+#include "gis/input_files.hpp"
 #include "scree/base/error.hpp"
 #include "scree/dynamics/contact_problem_file.hpp"
 #include "support/paths.hpp"
@@ -90,6 +91,82 @@ TEST(Check, NamesTheColumnsOfBlocksThatAreNotRead) {
     EXPECT_THAT(run.out, HasSubstr("columns that are not read: colour;"));
 }
 
+/// Cells where quarry_a has its own.
+RasterSpec terrain_of_quarry_a() {
+    RasterSpec dtm;
+    dtm.columns = 160;
+    dtm.rows = 80;
+    dtm.geotransform = {890000.0, 1.0, 0.0, 6670080.0, 0.0, -1.0};
+    return dtm;
+}
+
+// A wrong unit shows in what falls and in how steep the ground is.
+TEST(Check, SaysWhatFallsAndHowSteepTheGroundIs) {
+    const auto check = [](std::vector<std::string> more) {
+        more.insert(more.begin(), {"check", (quarry_a() / "site.toml").string()});
+        return scree_program(more);
+    };
+    const Outcome drawn = check({"--set", "blocks.list=", "--set", "blocks.volume=2", "--set", "model.seed=3"});
+    ASSERT_EQ(drawn.code, 0) << drawn.err;
+    EXPECT_THAT(drawn.out, HasSubstr("volume law constant: 2 m3, 5200 kg, L1 "));
+    EXPECT_THAT(drawn.out, testing::ContainsRegex("slopes of [0-9]+, [0-9]+ and [0-9]+ degrees"));
+    EXPECT_THAT(drawn.out, HasSubstr("site.toml --set blocks.list= --set blocks.volume=2 --set model.seed=3"))
+        << "what runs next is what was checked";
+    const Outcome long_arm = check({"--set", "soil.loose waste.rolling=2"});
+    ASSERT_EQ(long_arm.code, 0) << long_arm.err;
+    EXPECT_THAT(long_arm.err, HasSubstr("soil.loose waste.rolling = 2 m is more than half the length"));
+    EXPECT_THAT(long_arm.out, HasSubstr("--set 'soil.loose waste.rolling=2'"));
+    EXPECT_THAT(check({"--set", "soil.loose waste.rolling=0.2"}).err, testing::Not(HasSubstr("half the length")));
+
+    const TempDir folder;
+    RasterSpec dtm = terrain_of_quarry_a();
+    for (const auto& [factor, words] : {std::pair<double, const char*>{6.0, "half of the terrain is steeper than"},
+                                        {0.002, "95 % of the terrain are gentler than"}}) {
+        dtm.value = [factor = factor](int c, int) { return 200.0 - factor * 0.5 * c; };
+        write_raster((folder / "dtm.tif").string(), dtm);
+        EXPECT_THAT(check({"--set", "terrain.dtm=" + (folder / "dtm.tif").string()}).err, HasSubstr(words));
+    }
+}
+
+// 0 % pass where there is no ground says nothing: the model says that it has none there.
+TEST(Run, TellsWhatStandsWhereThereIsNoGround) {
+    const TempDir folder;
+    RasterSpec dtm = terrain_of_quarry_a();
+    dtm.nodata = -9999.0;
+    dtm.value = [](int c, int) { return c < 120 ? 200.0 - 0.6 * c : -9999.0; };
+    write_raster((folder / "dtm.tif").string(), dtm);
+    VectorSpec screens;
+    screens.text_field = "name";
+    screens.rows = {{"LINESTRING(890060 6670000,890060 6670080)", "near", 1.0},
+                    {"LINESTRING(890150 6670010,890150 6670070)", "hole", 1.0}};
+    write_vector((folder / "screens.gpkg").string(), screens);
+    VectorSpec zones;
+    zones.text_field = "name";
+    zones.rows = {
+        {"POLYGON((890070 6670000,890119 6670000,890119 6670080,890070 6670080,890070 6670000))", "low", 1.0},
+        {"POLYGON((890130 6670000,890155 6670000,890155 6670080,890130 6670080,890130 6670000))", "off", 1.0},
+        {"POLYGON((890080.1 6670040.1,890080.2 6670040.1,890080.2 6670040.2,890080.1 6670040.1))", "tiny", 1.0}};
+    write_vector((folder / "zones.gpkg").string(), zones);
+    const std::string site = quarry_with(
+        folder.path(), "\n[[effect]]\nkind = \"net\"\nfile = \"net.gpkg\"\ncapacity = 500.0\nheight = 5.0\n");
+    VectorSpec net;
+    net.text_field = "name";
+    net.rows = {{"LINESTRING(890140 6670010,890140 6670070)", "net", 1.0}};
+    write_vector((folder / "net.gpkg").string(), net);
+    const Outcome run = scree_program(
+        {"run", site, "--set", "release.count=3", "--set", "terrain.dtm=" + (folder / "dtm.tif").string(), "--set",
+         "screens.file=" + (folder / "screens.gpkg").string(), "--set",
+         "deposit_zones.file=" + (folder / "zones.gpkg").string(), "--output", (folder / "out").string()});
+    ASSERT_EQ(run.code, 0) << run.err;
+    EXPECT_THAT(run.err, HasSubstr("screen hole stands where the terrain has no ground"));
+    EXPECT_THAT(run.err, HasSubstr("deposit zone off lies where the terrain has no ground"));
+    EXPECT_THAT(run.err, HasSubstr("effect net is drawn where the terrain has no ground"));
+    EXPECT_THAT(run.err, testing::Not(testing::ContainsRegex("(near|low|tiny) (stands|lies) where")));
+    EXPECT_THAT(run.out, HasSubstr("hole: stands where no block can pass"));
+    EXPECT_THAT(run.out, HasSubstr("off: lies where no block can stop"));
+    EXPECT_THAT(run.out, testing::ContainsRegex("near: [0-9]+ % pass"));
+}
+
 TEST(Run, KeepsTheFirstImpacts) {
     const TempDir folder;
     for (const char* dimension : {"2", "3"}) {
@@ -139,6 +216,60 @@ TEST(Run, CountsClose) {
     EXPECT_LE(raster_facts(out / "rasters" / "passages.tif").high, kBlocks);
     EXPECT_LE(raster_facts(out / "rasters" / "reach_probability.tif").high, 1.0);
     EXPECT_EQ(read_points(out / "results.gpkg", "release_points").size(), kBlocks);
+}
+
+/// The rasters of a run, read when they are asked for.
+double cell_at(const fs::path& out, const std::string& raster, const Vec3& at) {
+    return raster_at(out / "rasters" / (raster + ".tif"), at.x(), at.y());
+}
+
+// Where a block crosses a screen the maps know at least its energy, speed and height, in their units, and no more than the largest of its way.
+TEST(Run, MapsKnowWhatCrossesAScreen) {
+    const TempDir folder;
+    const fs::path out = folder / "out";
+    ASSERT_EQ(run_quarry_a(out, {"--set", "release.count=1"}).code, 0);
+    const PointRow stop = read_points(out / "results.gpkg", "stopping_points").at(0);
+    const auto crossings = read_points(out / "results.gpkg", "screen_crossings");
+    ASSERT_FALSE(crossings.empty());
+    for (const PointRow& c : crossings) {
+        for (const char* quantity : {"energy_kj", "speed_ms", "height_m", "spin_rads"}) {
+            const double here = c.number(quantity), largest = cell_at(out, std::string(quantity) + "_max", c.at);
+            EXPECT_GE(largest, 0.9999 * here) << quantity;
+            EXPECT_LE(largest, 1.5 * here + 1.0) << quantity << ": a cell is 1 m wide";
+            EXPECT_NEAR(cell_at(out, std::string(quantity) + "_mean", c.at), largest, 1e-3) << "of one block";
+            EXPECT_NEAR(cell_at(out, std::string(quantity) + "_p50", c.at), largest, 0.0101 * largest);
+        }
+        EXPECT_LE(cell_at(out, "energy_kj_max", c.at), stop.number("energy_max_kj") * 1.00001);
+        EXPECT_LE(cell_at(out, "speed_ms_max", c.at), stop.number("speed_max_ms") * 1.00001);
+        EXPECT_EQ(cell_at(out, "passages", c.at), 1.0);
+        EXPECT_EQ(cell_at(out, "reach_probability", c.at), 1.0);
+    }
+    EXPECT_EQ(cell_at(out, "deposits", stop.at), 1.0);
+}
+
+// Where two blocks pass, the lower one is the 50 % quantile, the other all quantiles above, and the mean lies in the middle.
+TEST(Run, MapsOfQuantilesAreWhatTheySay) {
+    const TempDir folder;
+    const fs::path out = folder / "out";
+    ASSERT_EQ(run_quarry_a(out).code, 0);
+    const auto cells = [&](const std::string& name) { return raster_cells(out / "rasters" / (name + ".tif")); };
+    const std::vector<double> passages = cells("passages"), p50 = cells("speed_ms_p50"), mean = cells("speed_ms_mean"),
+                              most = cells("speed_ms_max");
+    int apart = 0;
+    for (const char* percent : {"p90", "p95", "p98", "p99"}) {
+        const std::vector<double> upper = cells(std::string("speed_ms_") + percent);
+        for (std::size_t k = 0; k < passages.size(); ++k) {
+            if (passages[k] != 2.0) continue;
+            apart += most[k] > 1.05 * p50[k];
+            EXPECT_NEAR(mean[k], 0.5 * (p50[k] + most[k]), 0.0051 * p50[k] + 1e-3);
+            EXPECT_NEAR(upper[k], most[k], 0.0101 * most[k]) << percent;
+        }
+    }
+    EXPECT_GT(apart, 100) << "or the test says nothing";
+    for (std::size_t k = 0; k < mean.size(); ++k)
+        if (passages[k] > 0.0) {
+            EXPECT_LE(mean[k], most[k]);
+        }
 }
 
 TEST(Run, BlocksStopOnTheTerrain) {

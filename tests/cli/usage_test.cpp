@@ -56,7 +56,7 @@ const UsageCase kUsage[] = {
     {"SettingsOfUnknownFormat", {"settings", "--format", "pdf"}, 2, "", "--format"},
     {"CheckTakesNoOutput", {"check", kQuarry, "--output", "x"}, 2, "", "--output"},
 
-    {"Version", {"--version"}, 0, "0.", ""},
+    {"Version", {"--version"}, 0, "0.1.0", ""},
     {"LogNormalBeyondItsEnds",
      {"check", kQuarry, "--set", "blocks.volume_law=log_normal", "--set", "blocks.volume=1000"},
      3,

@@ -205,6 +205,10 @@ TEST_F(ObservationReader, ReadsSharesAsCountsOrPercent) {
     EXPECT_EQ(o.shares[1].count, 2);
     EXPECT_EQ(o.shares[2].thrown, 50);
     EXPECT_THAT(error(put("many.csv", "name,count,released\n1A,51,50\n")), HasSubstr("counts 51 blocks"));
+    EXPECT_THAT(error(put("share.csv", "name,percent,released\n1A,0.7,50\n")),
+                AllOf(HasSubstr("says 0.7 % of 50 blocks, which are 0.35"), HasSubstr("70, not 0.7")));
+    EXPECT_THAT(error(put("half.csv", "name,percent,released\n1A,67.5,50\n")), HasSubstr("no whole number"));
+    EXPECT_EQ(read(put("rounded.csv", "name,percent,released\n1A,33.3,30\n2A,67,30\n")).shares.at(1).count, 20);
     EXPECT_THAT(error(put("wrong.csv", "name,count,percent,released\n1A,10,2,50\n")),
                 HasSubstr("says 2 % but counts 10 of 50"));
 }

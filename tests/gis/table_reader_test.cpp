@@ -76,7 +76,8 @@ TEST(BlockList, ValuesAreCheckedWithLineAndText) {
             HasSubstr("mass_kg")));
     EXPECT_THAT(error_of(kHeader), HasSubstr("no rows"));
     EXPECT_THAT(error_of(""), HasSubstr("is empty"));
-    EXPECT_THAT(error_of("block_id,mass_kg\nA,500\n"), HasSubstr("lacks the column 'L1_m', 'L2_m', 'L3_m'"));
+    EXPECT_THAT(error_of("block_id,mass_kg\nA,500\n"), AllOf(HasSubstr("lacks the column 'L1_m', 'L2_m', 'L3_m'"),
+                                                             HasSubstr("and has 'block_id', 'mass_kg'")));
     EXPECT_THAT(error_of(kHeader + "A,500,0.8,0.6,0.5\nB,500,0.8,0.6,0.5\nA,500,0.8,0.6,0.5\n"),
                 HasSubstr("'A' in lines 2 and 4"));
     EXPECT_THAT(error_of(kHeader + "\"A,500,0.8\n"), HasSubstr("never closed"));
@@ -85,6 +86,13 @@ TEST(BlockList, ValuesAreCheckedWithLineAndText) {
     EXPECT_THAT(error_of(kHeader + "A,0.5,0.8,0.6,0.5\n"),
                 AllOf(HasSubstr("line 2, has a block of 0.5 kg"), HasSubstr("check the units")));
     EXPECT_THAT(test::input_error_of([] { read_block_list("/nowhere/blocks.csv"); }), HasSubstr("does not exist"));
+}
+
+// As results of ours have them.
+TEST(BlockList, CaseDoesNotCountInItsHeader) {
+    const BlockList list = blocks_of("Block_ID,mass_kg,l1_m,l2_m,L3_M,colour\nA,500,0.8,0.6,0.5,grey\n");
+    EXPECT_EQ(list.blocks.at(0).l2, 0.6);
+    EXPECT_EQ(list.unread_columns, std::vector<std::string>{"colour"});
 }
 
 TEST(BlockList, BlankLinesAboveTheHeaderAreNoHeader) {
