@@ -98,8 +98,10 @@ TEST(DiagnoseExtended, WithoutAnAnswerItHasWhatLeavesLeast) {
     study.site = read_site_file(quarry_a() / "site.toml", {});
     study.keys = read_free_keys(study.site, {"soil.compact waste.rolling=0.01:0.3:log"});
     study.verdict = Verdict::Unknown;
-    study.before.observables.emplace_back();
-    study.before.overall.gap = 3.0;
+    Gap& before = study.before.observables.emplace_back().gap.pooled;
+    before.gap = 3.0;
+    before.distance = 6.0;
+    before.floor = 2.0;
     study.baseline.point.values = {0.25};
     study.diagnosis.parameters = {0.5};
     study.diagnosis.score.shift = Eigen::VectorXd::Constant(1, 0.2);
@@ -109,11 +111,15 @@ TEST(DiagnoseExtended, WithoutAnAnswerItHasWhatLeavesLeast) {
     EXPECT_EQ(study.asked_point().values[0], 0.3) << "the end of the range";
     EXPECT_THAT(extended_toml(study, 0, folder.path()), HasSubstr("rolling = 0.25\n"));
     study.moved = MovedModel{study.asked_point(), {}, {}};
-    study.moved->study.overall.gap = 2.0;
+    study.moved->study.observables = study.before.observables;
+    Gap& told = study.moved->study.observables.front().gap.pooled;
+    told.distance = 4.0;
+    told.floor = 1.0;
+    told.gap = 4.0;
     const std::string moved = extended_toml(study, 0, folder.path());
     EXPECT_THAT(moved, HasSubstr("rolling = 0.3\n"));
     EXPECT_THAT(moved, HasSubstr("rolling = 0.3 and not 0.25"));
-    EXPECT_THAT(moved, HasSubstr("gap over all 2.00; of the calibrated model 3.00"));
+    EXPECT_THAT(moved, HasSubstr("mean distance 2.00, of the calibrated model 3.00"));
 }
 
 TEST(DiagnoseExtended, KeepsItsScreensIn3D) {

@@ -82,6 +82,21 @@ TEST(Diagnose, FullTakesThreeTimesTheSimulations) {
     EXPECT_NEAR(full / usual, 3.0, 0.5);
 }
 
+// What the site leaves open is planned for in the middle of its range.
+TEST(Diagnose, PlansWithAKeyThatTheSiteDoesNotHave) {
+    const TempDir folder;
+    quarry_field_test_with(folder, "kind = \"soil_patch\"\nrolling = 0.1\nfrom = 20.0\nto = 30.0\n", 8);
+    std::vector<std::string> args =
+        diagnosis(folder / "out",
+                  {"--plan", "--set", "release.count=8", "--set", "diagnosis.further=false", "--set",
+                   "diagnosis.power_search=0", "--set", nothing_but({"speed_error"})},
+                  "effect.soil_patch.friction=0.3:0.9");
+    args[1] = (folder / "site.toml").string();
+    const Outcome run = scree_program(args);
+    ASSERT_EQ(run.code, 0) << run.err;
+    EXPECT_EQ(json::parse(text_of(folder / "out" / "diagnosis.json")).at("verdict"), "PLAN");
+}
+
 TEST(Diagnose, RefusesInOneSentence) {
     const TempDir folder;
     const Outcome nothing = diagnose(folder / "out", {});

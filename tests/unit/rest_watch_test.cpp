@@ -31,5 +31,21 @@ TEST(RestWatch, WhoBouncesInPlaceHasNotStayed) {
         EXPECT_FALSE(bouncing.in_place_for_long(leaving, kRadius, kGravity, time)) << time;
 }
 
+// A boulder that creeps by 2 cm/s moves less than a twentieth of its radius in five seconds, and yet it moves.
+TEST(RestWatch, LargeBlocksThatCreepDoNotRest) {
+    constexpr double kBoulder = 4.0;
+    const auto rests = [](double speed) {
+        RestWatch<3> watch;
+        BlockState<3> s;
+        for (double time = 0.0; time < 20.0; time += kStep) {
+            s.position.x() = speed * time;
+            if (watch.in_place_for_long(s, kBoulder, kGravity, time)) return true;
+        }
+        return false;
+    };
+    EXPECT_FALSE(rests(0.02));
+    EXPECT_TRUE(rests(0.005));
+}
+
 }  // namespace
 }  // namespace scree::test

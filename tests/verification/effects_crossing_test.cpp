@@ -214,6 +214,12 @@ TYPED_TEST(EffectCrossing, FastImpactsBreakTheBlock) {
     // energy: what is left is at most the share of what there was
     EXPECT_LT(end.energy_end, 0.4 * end.energy_start);
 
+    this->ball.effects[0].set("share", 1.0);  // breaks nothing off
+    const auto whole = this->ball.run(release, fall + 0.05);
+    EXPECT_EQ(whole.counters.breaks, 0);
+    EXPECT_TRUE(std::isnan(whole.broke_at[0]));
+    this->ball.effects[0].set("share", 0.4);
+
     const auto slow = this->ball.run(this->ball.at(0.0, 1.5), 3.0);  // 5.4 m/s
     EXPECT_EQ(slow.counters.breaks, 0);
     EXPECT_EQ(slow.mass, 1000.0);
