@@ -44,6 +44,7 @@ std::vector<gis::ProvenanceEntry> provenance(const SiteFile& site, const SiteMod
                                              const CampaignResult& result) {
     std::vector<gis::ProvenanceEntry> p;
     p.push_back({"program", "scree " + version()});
+    p.push_back({"libraries", gis::library_versions()});
     p.push_back({"site", site.settings.name});
     p.push_back({"seed", std::to_string(site.settings.seed)});
     p.push_back({"dimension", model.in_plane() ? "2" : "3"});

@@ -200,6 +200,9 @@ static void warn_of_rolling(SiteModel& model) {
                                      " m): no block can roll there; it is a length in metres, of centimetres mostly");
 }
 
+/// Blocks from which on memory is worth a word: each takes some 200 bytes [-].
+static constexpr std::int64_t kManyBlocks = 20'000'000;
+
 /// Longest step of the paper's scheme that is used without a word [s].
 static constexpr double kMoreauJeanStep = 2e-3;
 
@@ -255,6 +258,9 @@ SiteModel load_site(const SiteFile& site) {
         find_off_ground(model);
     }
     warn_of_rolling(model);
+    if (s.releases.count > kManyBlocks)
+        model.warnings.push_back("release.count = " + std::to_string(s.releases.count) + " blocks take some " +
+                                 short_number(2e-7 * static_cast<double>(s.releases.count)) + " GB of memory");
     require_screens_of_effects(site, c);
     model.files = gis::input_files(model.inputs);
     return model;

@@ -10,6 +10,7 @@
 #include <cpl_string.h>
 #include <cpl_vsi.h>
 #include <gdal_priv.h>
+#include <proj.h>
 
 #include <algorithm>
 #include <filesystem>
@@ -149,6 +150,10 @@ DatasetPtr open_dataset(const std::string& file, DatasetKind kind, const std::st
                                " that can be opened, or it is damaged", scope.reason(), "."));
     }
     return dataset;
+}
+
+std::string library_versions() {
+    return words("GDAL ", GDALVersionInfo("RELEASE_NAME"), ", PROJ ", proj_info().version);
 }
 
 }  // namespace scree::gis

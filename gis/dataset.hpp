@@ -37,4 +37,7 @@ struct InputFile {
 /// written. Also of files that GDAL reads out of an archive. Throws InputError where there is no file on disc.
 std::vector<InputFile> input_files(const std::vector<std::string>& inputs);
 
+/// "GDAL 3.6.2, PROJ 9.1.1": those that are in use, on which transformations depend.
+std::string library_versions();
+
 }  // namespace scree::gis

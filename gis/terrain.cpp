@@ -101,10 +101,4 @@ void add_facets(const TerrainSource& source, Terrain& terrain) {
     terrain.soils = std::move(soils.report);
 }
 
-Terrain read_terrain(const TerrainSource& source) {
-    Terrain terrain = read_grid(source);
-    add_facets(source, terrain);
-    return terrain;
-}
-
 }  // namespace scree::gis

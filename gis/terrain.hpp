@@ -54,7 +54,5 @@ struct Terrain {
 Terrain read_grid(const TerrainSource& source);
 /// The second half: triangulates the heights of the grid, changed or not, and lays soils onto the facets. Throws InputError.
 void add_facets(const TerrainSource& source, Terrain& terrain);
-/// Both.
-Terrain read_terrain(const TerrainSource& source);
 
 }  // namespace scree::gis

@@ -285,9 +285,8 @@ TEST(BadInputsResult, ValuesThatAreReadMustMakeSense) {
 
 TEST(BadInputsResult, ManyVerticesReleaseManyBlocks) {
     SCREE_SHARED_OR_SKIP(inputs, "badinputs");
-    const TempDir folder;
-    const fs::path site = write_site(folder, inputs, {.release = "vector/v27_20000_vertices.gpkg", .count = 10'000});
-    EXPECT_EQ(scree_program({"check", site.string()}).code, 0);
+    EXPECT_EQ(points_of(inputs, {.release = "vector/v27_20000_vertices.gpkg", .count = 300}, "release_points").size(),
+              300U);
 }
 
 TEST(BadInputsResult, DecimalCommasAreRead) {

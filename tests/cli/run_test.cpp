@@ -196,6 +196,7 @@ TEST(Run, KeepsTheFirstImpacts) {
                        "observed.repeats=5", "--output", (folder / "compared").string()});
     EXPECT_EQ(compared.code, 0) << compared.err;
     EXPECT_THAT(compared.out, HasSubstr("speed at the end of impact 1"));
+    EXPECT_THAT(compared.out + compared.err, testing::Not(HasSubstr("fields that are not read")));
 }
 
 TEST(Run, CountsClose) {

@@ -47,6 +47,12 @@ protected:
         return s;
     }
 
+    static Terrain read_terrain(const TerrainSource& s) {
+        Terrain terrain = read_grid(s);
+        add_facets(s, terrain);
+        return terrain;
+    }
+
     test::TempDir dir_;
 };
 

@@ -122,6 +122,38 @@ TEST(CalibrationLoss, IsOneGapIfNothingDiffersAndLeastAtTheTruth) {
     }
 }
 
+// Calibration and comparison compute it in their own ways, for speed; it is the score of distance.hpp, block by block.
+TEST(CalibrationLoss, IsTheEnergyScore) {
+    constexpr std::size_t kRepeats = 20;
+    const GapFunction gaps(test_of(true), test_operator());
+    const CalibrationLoss loss(gaps);
+    const CampaignResult campaign = campaign_of(2.0, kRepeats);
+    const SimulatedLoss found = loss(campaign, 1);
+    const std::vector<ObservedStop> stops = test_of(true).stops;
+    std::vector<double> scores, floors;
+    for (std::size_t b = 0; b < kBlocks; ++b) {
+        PointSample members{2, {}};
+        for (std::size_t k = b; k < kBlocks * kRepeats; k += kBlocks)
+            for (const int axis : {0, 1}) members.values.push_back(campaign.blocks[k].stop[axis]);
+        scores.push_back(energy_score(std::vector{stops[b].position.x(), stops[b].position.y()}, members));
+        double floor = 0.0;
+        for (std::size_t m = 0; m < kRepeats; ++m)
+            for (std::size_t n = 0; n < m; ++n) floor += point_distance(members[m], members[n]);
+        floors.push_back(floor / (kRepeats * (kRepeats - 1.0)));
+    }
+    const double weight = found.loss_at[0][0] / scores[0];
+    for (std::size_t b = 0; b < kBlocks; ++b) {
+        EXPECT_NEAR(found.loss_at[0][b], weight * scores[b], 1e-9) << b;
+        EXPECT_NEAR(found.floor_at[0][b], weight * floors[b], 1e-9) << b;
+    }
+    const Discrepancy compared = gaps(campaign, 1);
+    const ObservableGap& stop = compared.observables.front();
+    ASSERT_EQ(stop.observable.name, "stop position");
+    ASSERT_TRUE(stop.score);
+    EXPECT_NEAR(stop.score->distance, mean(scores), 1e-9);
+    EXPECT_NEAR(stop.score->floor, mean(floors), 1e-9);
+}
+
 // Proper as well, and sharper: a model that scatters half or twice as much as it should loses surely more on the same blocks.
 TEST(CalibrationLoss, TheLogarithmicScoreSeesAWrongScatter) {
     for (const bool matched : {true, false}) {
