@@ -87,7 +87,7 @@ public:
 /// What happened on the way, for the account that every result carries.
 struct TrajectoryCounters {
     std::int64_t contact_steps = 0;
-    std::int64_t shortened_steps = 0;  ///< contact steps cut short at a closing contact
+    std::int64_t shortened_steps = 0;  ///< contact steps cut short: at a closing contact, or because energy rose
     std::int64_t impacts = 0;
     std::int64_t flight_evaluations = 0;
     std::int64_t contact_problems = 0;      ///< solved by the contact solver
