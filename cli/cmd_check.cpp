@@ -77,22 +77,23 @@ void print_terrain(std::ostream& out, const SiteTerrain& terrain, const std::str
 constexpr double kSteep = 60.0;  ///< half of the area: hardly a slope is so [degrees]
 constexpr double kGentle = 5.0;  ///< nearly all of it: no block would go far [degrees]
 std::string slope_text(const Surface& surface, std::vector<std::string>& warnings) {
-    std::vector<std::pair<double, double>> slopes;  // [degrees], [m2]
+    constexpr double kBin = 0.1;                                           // [degrees]
+    std::vector<double> areas(static_cast<std::size_t>(90.0 / kBin) + 1);  // [m2]
     double area = 0.0;
     for (std::int64_t f = 0; f < surface.facet_count(); ++f) {
         std::array<Vec3, 3> corner;
         SoilId soil = 0;
         if (!surface.facet(f, corner, soil)) continue;
         const Vec3 normal = (corner[1] - corner[0]).cross(corner[2] - corner[0]);
-        slopes.emplace_back(degrees_from_radians(std::atan2(normal.head<2>().norm(), normal.z())), 0.5 * normal.z());
-        area += slopes.back().second;
+        const double slope = degrees_from_radians(std::atan2(normal.head<2>().norm(), normal.z()));
+        areas[static_cast<std::size_t>(std::clamp(slope, 0.0, 90.0) / kBin)] += 0.5 * normal.z();
+        area += 0.5 * normal.z();
     }
-    std::sort(slopes.begin(), slopes.end());
     const auto quantile = [&](double share) {
         double below = 0.0;
-        for (const auto& [slope, own] : slopes)
-            if ((below += own) >= share * area) return slope;
-        return slopes.empty() ? kNaN : slopes.back().first;
+        for (std::size_t k = 0; k < areas.size(); ++k)
+            if ((below += areas[k]) >= share * area) return (static_cast<double>(k) + 0.5) * kBin;
+        return 90.0;
     };
     const double median = quantile(0.5);
     if (median > kSteep)

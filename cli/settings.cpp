@@ -184,9 +184,9 @@ void add_profile(std::vector<Setting<SiteSettings>>& keys) {
                                 "steepest: points, lines or polygons to start from; empty takes release.file."));
     keys.push_back(
         profile.text("start_layer", AT(profile_start.layer), "Layer of that file; empty if it has only one."));
-    keys.push_back(profile.number(
-        "spacing", "m", kNotNegative, AT(profile_spacing),
-        "steepest: distance of starting points in polygons and along lines; 0: one per feature, in its middle."));
+    keys.push_back(profile.number("spacing", "m", kNotNegative, AT(profile_spacing),
+                                  "steepest: distance of starting points in polygons and along lines; 0: one per part "
+                                  "of a feature, in its middle."));
     keys.push_back(profile.path("guide", AT(profile_guide.file), "guided, line: lines, drawn downhill."));
     keys.push_back(
         profile.text("guide_layer", AT(profile_guide.layer), "Layer of that file; empty if it has only one."));

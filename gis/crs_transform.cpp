@@ -42,8 +42,9 @@ CrsTransform::CrsTransform(const std::string& from, const std::string& to, const
     if (!state_->operation) {
         throw InputError(words(place,
                                " cannot be transformed to the terrain's CRS: PROJ knows no transformation of stated "
-                               "accuracy between them; "
-                               "reproject the file, for example in QGIS, with the grid files that it offers."));
+                               "accuracy between them; reproject the file, for example in QGIS, with the grid files "
+                               "that it offers; a local CRS of a survey or a building has none, and must be "
+                               "georeferenced first."));
     }
 }
 
