@@ -203,6 +203,10 @@ ExitCode dispatch(const std::vector<std::string>& args, Context& context) {
 
 }  // namespace
 
+std::string version_number() {
+    return SCREE_VERSION;
+}
+
 std::string version() {
     constexpr std::string_view kCommit =
 #include "commit.inc"

@@ -26,7 +26,7 @@ std::string subject_of(const SiteFile& site, const SiteModel& model, const Obser
                        const std::vector<std::string>& free) {
     Json json;
     json["calibration"] = site.settings.name;
-    json["program"] = "scree " + version();
+    json["program"] = "scree " + version_number();
     json["free"] = free;
     SiteSettings portable = site.settings;
     portable.output_directory.clear();

@@ -226,6 +226,7 @@ void print_release(std::ostream& out, const SiteModel& m) {
 ExitCode run_check(const Context& context) {
     const SiteFile site = context.read_site();
     SiteModel model = load_site(site);
+    warn_of_rolling(model);
     const std::string slopes = slope_text(*model.terrain.surface, model.warnings);
     print_warnings(context, model.warnings);
     if (context.quiet) return ExitCode::Done;

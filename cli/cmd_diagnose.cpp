@@ -43,7 +43,7 @@ std::string subject_of(const DiagnoseStudy& study, const std::vector<std::string
     SiteSettings portable = study.site.settings;
     portable.output_directory.clear();
     portable.calibration.free.clear();
-    std::string text = "scree " + version() + (context.full ? " full\n" : "\n");
+    std::string text = "scree " + version_number() + (context.full ? " full\n" : "\n");
     if (context.plan) text += "instruments " + context.instruments + "\n";
     for (const std::string& key : free) text += key + "\n";
     for (const std::string& line : study.inputs) text += line + "\n";

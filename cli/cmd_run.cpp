@@ -96,15 +96,15 @@ void print_summary(std::ostream& out, const SiteModel& model, const CampaignResu
     for (const Screen& screen : model.campaign.screens) {
         if (std::find(seen.begin(), seen.end(), screen.name) != seen.end()) continue;
         seen.push_back(screen.name);
-        if (!model.met_screens.contains(screen.name)) {
-            out << "screen         " << screen.name << ": stands where no block can pass\n";
-            continue;
-        }
         std::vector<double> speeds, energies;
         for (const ScreenCrossing& c : r.crossings) {
             if (model.campaign.screens[static_cast<std::size_t>(c.screen)].name != screen.name) continue;
             speeds.push_back(c.velocity.norm());
             energies.push_back(c.energy / 1000.0);
+        }
+        if (speeds.empty() && !model.met_screens.contains(screen.name)) {
+            out << "screen         " << screen.name << ": stands where no block can pass\n";
+            continue;
         }
         std::sort(speeds.begin(), speeds.end());
         std::sort(energies.begin(), energies.end());
@@ -118,7 +118,7 @@ void print_summary(std::ostream& out, const SiteModel& model, const CampaignResu
     }
     for (std::size_t z = 0; z < r.deposits.size(); ++z) {
         const DepositCount& d = r.deposits[z];
-        if (!model.met_zones[z]) {
+        if (d.count == 0 && !model.met_zones[z]) {
             out << "deposit zone   " << d.name << ": lies where no block can stop\n";
             continue;
         }
@@ -140,6 +140,7 @@ ExitCode run_run(const Context& context) {
     require_free_results(context, site, folder);
     warn_of_partial_results(context, folder);
     SiteModel model = load_site(site);
+    warn_of_rolling(model);
     gis::require_inputs_elsewhere(folder, model.files);
     for (const EffectSettings& effect : site.settings.effects)
         if (effect_info(effect.effect.kind).hook == EffectHook::Measurement)
@@ -160,7 +161,9 @@ ExitCode run_run(const Context& context) {
 
     // who asked for a new result in the place of the old one did not ask for a part of it
     const bool beside = result.interrupted && fs::exists(folder) && !fs::is_empty(folder);
-    const fs::path written = beside ? fs::path(folder.string() + ".interrupted") : folder;
+    fs::path written = beside ? fs::path(folder.string() + ".interrupted") : folder;
+    for (int number = 2; beside && fs::exists(fs::symlink_status(written)); ++number)
+        written = folder.string() + ".interrupted-" + std::to_string(number);
 
     gis::ResultsPackage package;
     package.frame = model.terrain.data.frame;

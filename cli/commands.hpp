@@ -56,6 +56,8 @@ ExitCode run_diagnose(const Context& context);
 ExitCode run_settings(const Context& context);
 ExitCode run_effects(const Context& context);
 
+/// Of the program: what unfinished work of an earlier run must share to be gone on with.
+std::string version_number();
 /// Version of the program and, where git knew it, the commit that it was built from: "0.1.0 (6e355a4)", with a plus if files were changed.
 std::string version();
 /// Prints warnings to the error stream, each once.

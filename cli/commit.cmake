@@ -6,7 +6,7 @@ if(GIT_FOUND)
   file(REAL_PATH ${ROOT} root)
   if(top STREQUAL root)  # and not that of a project around an unpacked archive
     execute_process(COMMAND ${GIT_EXECUTABLE} -C ${ROOT} rev-parse --short=7 HEAD OUTPUT_VARIABLE commit OUTPUT_STRIP_TRAILING_WHITESPACE ERROR_QUIET)
-    execute_process(COMMAND ${GIT_EXECUTABLE} -C ${ROOT} status --porcelain --untracked-files=no OUTPUT_VARIABLE changed ERROR_QUIET)
+    execute_process(COMMAND ${GIT_EXECUTABLE} --no-optional-locks -C ${ROOT} status --porcelain --untracked-files=no OUTPUT_VARIABLE changed ERROR_QUIET)
     if(changed)
       string(APPEND commit "+")
     endif()

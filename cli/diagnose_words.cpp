@@ -291,6 +291,7 @@ std::string verdict_sentence(const DiagnoseStudy& study) {
         case Verdict::DataProblem:
             if (study.answers.empty()) return "DATA PROBLEM: the measurements cannot be used as they are";
             return "DATA PROBLEM: " + answer_names(study.answers) + label_of_one(study.answers) +
+                   (study.several() ? "; these measurements cannot tell them apart" : "") +
                    "; check how it was measured before anything else";
     }
     return "";

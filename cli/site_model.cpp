@@ -182,8 +182,8 @@ static void require_screens_of_effects(const SiteFile& site, const CampaignInput
     }
 }
 
-/// A rolling resistance is the way by which the ground's push runs ahead of the middle of a block: farther out than its edge there is no contact to push.
-static void warn_of_rolling(SiteModel& model) {
+// a rolling resistance is the way by which the ground's push runs ahead of the middle of a block: farther out than its edge there is no contact to push.
+void warn_of_rolling(SiteModel& model) {
     constexpr std::uint64_t kTried = 200;
     const BlockPopulation population = reshaped(model.campaign.population, model.campaign.effects);
     double largest = 0.0;
@@ -257,7 +257,6 @@ SiteModel load_site(const SiteFile& site) {
         add_release_area(site, model);
         find_off_ground(model);
     }
-    warn_of_rolling(model);
     if (s.releases.count > kManyBlocks)
         model.warnings.push_back("release.count = " + std::to_string(s.releases.count) + " blocks take some " +
                                  short_number(2e-7 * static_cast<double>(s.releases.count)) + " GB of memory");

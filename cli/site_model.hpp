@@ -37,6 +37,9 @@ struct SiteModel {
 
 SiteModel load_site(const SiteFile& site);
 
+/// Warns of a rolling resistance with which none of the blocks of the site could roll: a slip of units.
+void warn_of_rolling(SiteModel& model);
+
 /// What needs no file: soils, mechanics, seed, how blocks are shaped and released. For calls by the thousand with other values of such keys; the list of
 /// blocks, the points of the shape "file" and everything of the terrain stay as they were loaded.
 void apply_parameters(const SiteFile& site, CampaignInput& campaign);

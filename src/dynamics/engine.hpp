@@ -307,7 +307,7 @@ private:
         // a crest that leaves the side of a fast block within the step: the look ahead holds a contact that is no more, which shows as energy from nowhere
         while (energy(after) - energy_before > kMuchRise * body_.mass * settings_.gravity && h > kShortestShortened) {
             ++end_.counters.shortened_steps;
-            h *= 0.5;
+            h = std::max(0.5 * h, kShortestShortened);
             after = moved(before, h);
         }
         if (!is_finite(after)) return finish(StopReason::Failed);  // before anything looks for contacts there

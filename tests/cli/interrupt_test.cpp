@@ -61,6 +61,19 @@ TEST(Interrupt, OverwritesNoResultWithAPartOfOne) {
     EXPECT_EQ(contents_of(out), before);
     EXPECT_THAT(text_of(part / "run.toml"), HasSubstr("INTERRUPTED"));
     EXPECT_FALSE(read_points(part / "results.gpkg", "stopping_points").empty());
+
+    // nor with a part of itself, nor a part with another
+    const auto kept = contents_of(part);
+    Process again(
+        {"run", (part / "run.toml").string(), "--output", out.string(), "--overwrite", "--progress=json", "--quiet"});
+    do line = again.line();
+    while (!line.empty() && line.find("\"done\"") == std::string::npos);
+    again.interrupt();
+    while (!(line = again.line()).empty()) last = line;
+    ASSERT_EQ(again.wait(), 130);
+    EXPECT_THAT(last, HasSubstr("written to " + part.string() + "-2"));
+    EXPECT_EQ(contents_of(part), kept);
+    EXPECT_EQ(contents_of(out), before);
 }
 
 TEST(Interrupt, OfAComparisonWritesNothing) {

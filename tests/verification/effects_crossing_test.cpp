@@ -191,6 +191,23 @@ TYPED_TEST(EffectCrossing, NothingChangesBeforeAnObstacle) {
     EXPECT_GT(this->ball.run(release, 12.0).counters.crossings_struck, 0) << "it comes there";
 }
 
+// A border belongs to one side only: who starts on it, on either side of a forest, is in the forest at once.
+TYPED_TEST(EffectCrossing, FlightsThatBeginOnABorderAreBraked) {
+    const auto speed_after = [&](double from, double velocity) {
+        auto release = this->ball.at(from, 20.0);
+        release.velocity[0] = velocity;
+        return std::abs(this->ball.run(release, 1.0).state.velocity[0]);
+    };
+    this->ball.effects = {
+        between(effect_with(EffectKind::ForestDrag, {{"coefficient", 500.0}, {"height", 50.0}}), 5.0, 15.0)};
+    const double braked = speed_after(5.001, 8.0);
+    ASSERT_LT(braked, 6.0);
+    EXPECT_NEAR(speed_after(5.0, 8.0), braked, 0.01);
+    EXPECT_NEAR(speed_after(15.0, -8.0), braked, 0.01);
+    EXPECT_EQ(speed_after(5.0, -8.0), 8.0);
+    EXPECT_EQ(speed_after(15.0, 8.0), 8.0);
+}
+
 // ---- breaking ----------------------------------------------------------------------------------------------------------------------
 
 TYPED_TEST(EffectCrossing, FastImpactsBreakTheBlock) {

@@ -231,6 +231,15 @@ bool BlockEffects<Dim>::has_to_look_at(const Vec& position) const {
     return std::any_of(parts_.begin(), parts_.end(), [&](const Part& p) { return has_to_look_at(p, position); });
 }
 
+/// True if an effect on flights begins or ends between two places that are next to each other.
+template <int Dim>
+bool BlockEffects<Dim>::enters(const Vec& from, const Vec& to) const {
+    return std::any_of(parts_.begin(), parts_.end(), [&](const Part& p) {
+        const bool on_flights = p.hook == EffectHook::Force || p.hook == EffectHook::Crossing;
+        return on_flights && p.place->soil < 0 && p.place->covers(-1, plan(from)) != p.place->covers(-1, plan(to));
+    });
+}
+
 /// Quadratic drag of the scar that the block is in [1/m].
 template <int Dim>
 double BlockEffects<Dim>::scar_drag(const Part& p) const {
@@ -292,6 +301,10 @@ FlightArc<Dim> BlockEffects<Dim>::flight_arc(const State& s) {
         second_.reset();
         return arc;
     }
+    // who starts on a border is on the other side of it at once
+    if (const double speed = plan(s.velocity).norm();
+        speed > 0.0 && enters(s.position, s.position + kPast / speed * s.velocity))
+        return {gravity_, std::clamp(kPast / speed, kLeastPiece, DragFlight<Dim>::kLongest)};
     const Drag drag = drag_at(s.position);
     const double longest = !drag.none()                 ? DragFlight<Dim>::longest(drag, gravity_, s.velocity)
                            : has_to_look_at(s.position) ? DragFlight<Dim>::kLongest
@@ -397,11 +410,12 @@ void BlockEffects<Dim>::lose(double energy, double& kinetic, State& s) {
 
 template <int Dim>
 void BlockEffects<Dim>::cross(Part& p, const Vec& from, double& kinetic, State& s) {
+    if (held_) return;  // what stands behind is not met
     if (p.kind == EffectKind::Net) {
         const double share = p.place->first_line(plan(from), plan(s.position));
         if (!(share <= 1.0) || !(height_over_ground(from + share * (s.position - from)) <= p.value[1])) return;
         lose(1000.0 * p.value[0], kinetic, s);
-        if (kinetic > 0.0 || held_) return;
+        if (kinetic > 0.0) return;
         held_ = true;
         beyond_net_ = (1.0 - share) * (plan(s.position) - plan(from)).norm();
         return;

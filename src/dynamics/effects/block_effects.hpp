@@ -101,6 +101,7 @@ private:
     bool acts_on_flight_at(const Part& part, const Vec& p) const;
     bool has_to_look_at(const Part& part, const Vec& p) const;
     bool has_to_look_at(const Vec& p) const;
+    bool enters(const Vec& from, const Vec& to) const;
     double scar_drag(const Part& part) const;
     Drag drag_at(const Vec& position) const;
     scree_contact_state contact_state(const Part& part, const State& s, const Vec& at) const;
