@@ -218,9 +218,10 @@ private:
     DiagnosisProblem problem(const CalibratedModel& model, const DiagnosisCatalogue& catalogue) const {
         DiagnosisProblem p;
         const auto& parameters = study_.keys.problem.parameters;
+        const CalibrationPoint given = study_.given_point();
         for (std::size_t k = 0; k < parameters.size(); ++k) {
             p.calibrated.push_back(to_unit(parameters[k], model.point.values[k]));
-            p.given.push_back(to_unit(parameters[k], study_.given_point().values[k]));
+            p.given.push_back(to_unit(parameters[k], given.values[k]));
             p.low.push_back(0.0);
             p.high.push_back(1.0);
             double step = kPlannedStep;

@@ -30,8 +30,7 @@ bool in(const MultiPolygon& polygons, const Surface& surface, const GridShape& c
     return false;
 }
 
-}  // namespace
-
+/// True if there is ground somewhere below the geometry: below a point, along a line, in a polygon; looked at as densely as the cells of the terrain lie.
 bool over_ground(const Geometry& geometry, const SiteTerrain& terrain) {
     const Surface& surface = *terrain.surface;
     const GridShape& cells = terrain.data.grid.shape;
@@ -48,6 +47,8 @@ bool over_ground(const Geometry& geometry, const SiteTerrain& terrain) {
     const auto* polygons = std::get_if<MultiPolygon>(&geometry);
     return polygons && in(*polygons, surface, cells);
 }
+
+}  // namespace
 
 void find_off_ground(SiteModel& model) {
     const std::string where = " where the terrain has no ground (beside it, or in a hole of it): ";

@@ -7,6 +7,7 @@
 #include "scree/dynamics/contact.hpp"
 #include "scree/dynamics/soil.hpp"
 #include "scree/geometry/convex_block.hpp"
+#include "scree/geometry/feature.hpp"
 #include "scree/geometry/surface.hpp"
 
 #include <Eigen/Geometry>
@@ -75,6 +76,15 @@ struct FramedBlock {
 
 inline FramedBlock cube(double side = 1.0) {
     return {box_points(Vec3::Constant(side)), kRockDensity * side * side * side};
+}
+
+/// Release features, numbered from 1.
+inline FeatureLayer release_layer(std::vector<Geometry> geometries) {
+    FeatureLayer layer;
+    layer.name = "release";
+    for (Geometry& g : geometries)
+        layer.features.push_back({static_cast<std::int64_t>(layer.features.size()) + 1, std::move(g), {}});
+    return layer;
 }
 
 }  // namespace scree::test

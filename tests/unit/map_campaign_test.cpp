@@ -26,10 +26,8 @@ class MapCampaign : public testing::Test {
 protected:
     static double ground(double x, double y) { return -0.6 * x - 0.2 * y; }
     MapCampaign() : surface_(grid_terrain(60.0, 1.0, ground)) {
-        FeatureLayer layer;
-        layer.name = "release";
-        layer.features.push_back({1, Points{{kStart.x(), kStart.y(), 0.0}}, {}});
-        area_.emplace(layer, *surface_, ReleasePattern::Random, input_.result_cells);
+        area_.emplace(release_layer({Points{{kStart.x(), kStart.y(), 0.0}}}), *surface_, ReleasePattern::Random,
+                      input_.result_cells);
         input_.surface = surface_.get();
         input_.area = &*area_;
         input_.result_cells = {.columns = 60, .rows = 45, .cell = 1.7, .origin = {-47.3, -33.9}};

@@ -29,13 +29,6 @@ Profile straight_profile(const Vec2& start, const Vec2& direction, int length) {
 MultiPolygon square(double x0, double y0, double x1, double y1) {
     return {Polygon{{{x0, y0}, {x1, y0}, {x1, y1}, {x0, y1}}, {}}};
 }
-FeatureLayer layer_of(std::vector<Geometry> geometries) {
-    FeatureLayer layer;
-    layer.name = "release";
-    std::int64_t id = 0;
-    for (Geometry& g : geometries) layer.features.push_back({++id, std::move(g), {}});
-    return layer;
-}
 Polylines line(std::vector<Vec3> points) {
     return {Polyline{std::move(points), {}}};
 }
@@ -61,7 +54,8 @@ constexpr double kCell = 1.0;
 
 TEST(ProfileRelease, PolygonOnTheStretchesInside) {
     const std::vector<Profile> profiles{straight_profile({0, 0}, {1, 0}, 160), straight_profile({0, 3}, {1, 0}, 160)};
-    const ProfileRelease release(layer_of({square(10, -1, 20, 1)}), profiles, ReleasePattern::Random, kCell, kFarthest);
+    const ProfileRelease release(release_layer({square(10, -1, 20, 1)}), profiles, ReleasePattern::Random, kCell,
+                                 kFarthest);
     const Draws draws(release);
     EXPECT_EQ(draws.count.size(), 1u);
     EXPECT_NEAR(draws.low, 10.0, 0.02);
@@ -73,7 +67,7 @@ TEST(ProfileRelease, PolygonOnTheStretchesInside) {
 // A polygon of twice the area sends twice the blocks, through however many profiles; these share them by their length inside.
 TEST(ProfileRelease, FeaturesShareByAreaProfilesByLength) {
     const std::vector<Profile> profiles{straight_profile({0, 0}, {1, 0}, 160), straight_profile({0, 3}, {1, 0}, 160)};
-    const ProfileRelease release(layer_of({square(10, -5, 20, 1), square(30, -5, 33, 35)}), profiles,
+    const ProfileRelease release(release_layer({square(10, -5, 20, 1), square(30, -5, 33, 35)}), profiles,
                                  ReleasePattern::Random, kCell, kFarthest);
     Draws draws(release);
     // areas 60 and 120; the second polygon holds 3 m of each profile; standard error 30
@@ -85,8 +79,8 @@ TEST(ProfileRelease, FeaturesShareByAreaProfilesByLength) {
 TEST(ProfileRelease, PointsAndLinesNearAProfile) {
     const std::vector<Profile> profiles{straight_profile({0, 0}, {1, 0}, 160), straight_profile({0, 8}, {1, 0}, 160)};
     // across the first profile; along the second, 2 m beside it; a point near the first; a point far from both
-    const ProfileRelease release(layer_of({line({{12.5, -2, 0}, {12.5, 2, 0}}), line({{20, 10, 0}, {30, 10, 0}}),
-                                           Points{{5, 1, 0}}, Points{{5, -9, 0}}}),
+    const ProfileRelease release(release_layer({line({{12.5, -2, 0}, {12.5, 2, 0}}), line({{20, 10, 0}, {30, 10, 0}}),
+                                                Points{{5, 1, 0}}, Points{{5, -9, 0}}}),
                                  profiles, ReleasePattern::Random, kCell, kFarthest);
     for (std::uint64_t k = 0; k < 500; ++k) {
         const ProfileRelease::Place p = release.draw(7, k);
@@ -112,7 +106,7 @@ TEST(ProfileRelease, PointsAndLinesNearAProfile) {
 
 TEST(ProfileRelease, CellsOneAfterTheOther) {
     const std::vector<Profile> profiles{straight_profile({0, 0}, {1, 0}, 160)};
-    const ProfileRelease release(layer_of({square(10.2, -1, 13.4, 1)}), profiles, ReleasePattern::Cells, kCell,
+    const ProfileRelease release(release_layer({square(10.2, -1, 13.4, 1)}), profiles, ReleasePattern::Cells, kCell,
                                  kFarthest);
     ASSERT_EQ(release.cell_count(), 3u);
     EXPECT_NEAR(release.draw(1, 0).s, 10.5, 1e-9);
@@ -124,9 +118,10 @@ TEST(ProfileRelease, CellsOneAfterTheOther) {
 
 TEST(ProfileRelease, NothingToReleaseIsAnError) {
     const std::vector<Profile> profiles{straight_profile({0, 0}, {1, 0}, 160)};
-    EXPECT_THROW(ProfileRelease(layer_of({square(10, 5, 20, 6)}), profiles, ReleasePattern::Random, kCell, kFarthest),
-                 InputError);
-    EXPECT_THROW(ProfileRelease(layer_of({Points{{5, 1, 0}}}), profiles, ReleasePattern::Cells, kCell, kFarthest),
+    EXPECT_THROW(
+        ProfileRelease(release_layer({square(10, 5, 20, 6)}), profiles, ReleasePattern::Random, kCell, kFarthest),
+        InputError);
+    EXPECT_THROW(ProfileRelease(release_layer({Points{{5, 1, 0}}}), profiles, ReleasePattern::Cells, kCell, kFarthest),
                  InputError);
 }
 
@@ -134,7 +129,7 @@ class ProfileCampaign : public testing::Test {
 protected:
     ProfileCampaign()
         : profiles_{straight_profile({0, 0}, {1, 0}, 100), straight_profile({0, 5}, {3, 4}, 90)},
-          release_(layer_of({square(5, -1, 8, 1), Points{{3, 9, 0}}}), profiles_, ReleasePattern::Random, kCell,
+          release_(release_layer({square(5, -1, 8, 1), Points{{3, 9, 0}}}), profiles_, ReleasePattern::Random, kCell,
                    kFarthest) {
         for (const Profile& p : profiles_) input_.tracks.push_back({p, {}});
         input_.profile_release = &release_;
@@ -258,7 +253,8 @@ TEST_F(ProfileCampaign, CellsHoldTheTrueLargestValues) {
     input_.release.height = 5.0;
     input_.release.speed = 6.0;
     input_.population.shape.shape = BlockShape::Box;
-    const ProfileRelease point(layer_of({Points{{5.25, 0, 0}}}), profiles_, ReleasePattern::Random, kCell, kFarthest);
+    const ProfileRelease point(release_layer({Points{{5.25, 0, 0}}}), profiles_, ReleasePattern::Random, kCell,
+                               kFarthest);
     input_.profile_release = &point;
     const CampaignResult r = run();
     auto height = [](double s) {

@@ -17,10 +17,8 @@ namespace {
 // Of a large polygon 25 of 70 000 m2 lie on the terrain: 200 trials hit that in one case of fourteen, and blocks may start there all the same.
 TEST(ReleaseArea, StartsWhereLittleOfItLiesOnTheTerrain) {
     const auto surface = grid_terrain(40.0, 1.0, [](double, double) { return 0.0; });
-    FeatureLayer layer;
-    layer.name = "release";
-    layer.features.push_back({1, MultiPolygon{Polygon{{{35, 35}, {300, 35}, {300, 300}, {35, 300}}, {}}}, {}});
-    const ReleaseArea area(layer, *surface, ReleasePattern::Random, {80, 80, 1.0, {-40.0, -40.0}});
+    const ReleaseArea area(release_layer({MultiPolygon{Polygon{{{35, 35}, {300, 35}, {300, 300}, {35, 300}}, {}}}}),
+                           *surface, ReleasePattern::Random, {80, 80, 1.0, {-40.0, -40.0}});
     for (std::uint64_t block = 0; block < 5; ++block) {
         std::int64_t feature = 0;
         EXPECT_GE(surface->facet_at(area.draw(1, block, feature)), 0);
@@ -46,18 +44,16 @@ TEST(ReleaseArea, SharesBlocksByAreaLengthAndNumber) {
                                        {(10 * 5.0 + 5 * 10.0) / 15.0, 5 * 2.5 / 15.0}},
                                       {Points{{-30, -30, 0}}, Points{{7, 8, 0}}, 0.5, {7.0, 8.0}}};
     for (const Layout& layout : layouts) {
-        FeatureLayer layer;
-        layer.name = "release";
-        layer.features = {{11, layout.first, {}}, {12, layout.second, {}}};
-        const ReleaseArea area(layer, *surface, ReleasePattern::Random, {80, 80, 1.0, {-40.0, -40.0}});
+        const ReleaseArea area(release_layer({layout.first, layout.second}), *surface, ReleasePattern::Random,
+                               {80, 80, 1.0, {-40.0, -40.0}});
         constexpr int kDraws = 4000;
         int first = 0;
         Vec2 sum = Vec2::Zero();
         for (std::uint64_t block = 0; block < kDraws; ++block) {
             std::int64_t feature = 0;
             const Vec2 p = area.draw(1, block, feature);
-            EXPECT_EQ(feature, p.x() < -10.0 ? 11 : 12);
-            feature == 11 ? void(++first) : void(sum += p);
+            EXPECT_EQ(feature, p.x() < -10.0 ? 1 : 2);
+            feature == 1 ? void(++first) : void(sum += p);
         }
         EXPECT_NEAR(first, layout.share * kDraws, 4.0 * std::sqrt(0.25 * kDraws));
         EXPECT_LT((sum / (kDraws - first) - layout.middle).norm(), 0.8);  // standard error at most 0.17
@@ -67,14 +63,12 @@ TEST(ReleaseArea, SharesBlocksByAreaLengthAndNumber) {
 // One after the other over the cells whose centres lie in the polygon.
 TEST(ReleaseArea, CellsOneAfterTheOther) {
     const auto surface = grid_terrain(20.0, 1.0, [](double, double) { return 0.0; });
-    FeatureLayer layer;
-    layer.name = "release";
-    layer.features.push_back({5, MultiPolygon{Polygon{{{2.2, 4.3}, {5.4, 4.3}, {5.4, 6.0}, {2.2, 6.0}}, {}}}, {}});
-    const ReleaseArea area(layer, *surface, ReleasePattern::Cells, {40, 40, 1.0, {-20.0, -20.0}});
+    const ReleaseArea area(release_layer({MultiPolygon{Polygon{{{2.2, 4.3}, {5.4, 4.3}, {5.4, 6.0}, {2.2, 6.0}}, {}}}}),
+                           *surface, ReleasePattern::Cells, {40, 40, 1.0, {-20.0, -20.0}});
     ASSERT_EQ(area.cell_count(), 6U);
     std::int64_t feature = 0;
     EXPECT_EQ(area.draw(1, 0, feature), Vec2(2.5, 4.5));
-    EXPECT_EQ(feature, 5);
+    EXPECT_EQ(feature, 1);
     EXPECT_EQ(area.draw(1, 2, feature), Vec2(4.5, 4.5));
     EXPECT_EQ(area.draw(9, 3, feature), Vec2(2.5, 5.5));
 }
@@ -100,10 +94,8 @@ TEST(ReleaseArea, RowsInTurnMeetAllCells) {
 // The height is that above the ground there, azimuths count clockwise from north, and no orientation or axis of the spin is preferred.
 TEST(Release, StartsAsItIsTold) {
     const auto surface = grid_terrain(20.0, 1.0, [](double x, double) { return -0.5 * x; });
-    FeatureLayer layer;
-    layer.name = "release";
-    layer.features.push_back({1, Points{{4.0, 3.0, 0.0}}, {}});
-    const ReleaseArea area(layer, *surface, ReleasePattern::Random, {40, 40, 1.0, {-20.0, -20.0}});
+    const ReleaseArea area(release_layer({Points{{4.0, 3.0, 0.0}}}), *surface, ReleasePattern::Random,
+                           {40, 40, 1.0, {-20.0, -20.0}});
     const ConvexBlock block = make_block_from_points(box_points({1.0, 0.8, 0.6}), 1200.0);
     ReleaseSettings settings;
     settings.height = 8.0;
