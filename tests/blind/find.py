@@ -22,7 +22,7 @@ from seals import hash_of, seals, write_whole
 
 # smaller than the defaults, and nothing beyond the verdict: a case of 50 blocks takes one to ten minutes of one core
 BUDGET = ["calibration.starts=1", "calibration.generations=8", "calibration.surroundings=40", "calibration.repeats=4", "calibration.folds=3",
-          "calibration.final_repeats=10", "diagnosis.reference_repeats=100", "diagnosis.repeats=12", "diagnosis.draws=499", "diagnosis.finalists=6",
+          "calibration.final_repeats=100", "diagnosis.reference_repeats=100", "diagnosis.repeats=12", "diagnosis.draws=499", "diagnosis.finalists=6",
           "observed.draws=200", "diagnosis.further=false", "diagnosis.power_search=0"]
 
 REFUSED = 3  # exit code of the program where the measurements cannot be used

@@ -41,7 +41,7 @@ SAME_FAMILY = {
     "bounce falls exponentially with speed": (["restitution_half_speed"], 1.0, 30.0, lambda q, at: law(3, q)),
     "bounce falls with momentum": (["restitution_half_speed", "restitution_mass"], 1.0, 50.0, lambda q, at: law(4, q)),
     "rolling resistance saturates with speed": (["rolling_speed"], 0.2, 10.0, lambda q, at: law(5, q)),
-    "rolling resistance linear in size": (["rolling_size"], 0.5, 5.0, lambda q, at: law(6, q)),
+    "rolling resistance linear in size": (["rolling_size"], 0.5, 2.4, lambda q, at: law(6, q)),
     "shrubs on a reach": (["forest_drag", "ground_drag"], 0.5, 30.0, lambda q, at: law(7, q, at)),
     "patch with soft borders": (["soil_patch"], 1.0, 30.0, lambda q, at: law(8, q, at)),
 }

@@ -35,8 +35,11 @@ SLOPES = {
     "bluff": {"reaches": [(24, 36), (7, 4), (4, 64), (30, 35), (16, 18), (70, 0), (80, -12)], "floor": 92.0, "screens": (52.0, 82.0), "crown": 10.0},
     "spur": {"reaches": [(20, 42), (8, 18), (28, 39), (16, 29), (14, 10), (70, 0), (80, -12)], "floor": 94.0, "screens": (44.0, 82.0), "crown": 9.0},
     "glacis": {"reaches": [(14, 45), (26, 39), (24, 34), (18, 24), (16, 9), (70, 0), (80, -12)], "floor": 98.0, "screens": (40.0, 84.0), "crown": 11.0},
+    "shoulder": {"reaches": [(24, 35), (10, 20), (26, 40), (14, 30), (14, 12), (70, 0), (80, -12)], "floor": 96.0, "screens": (48.0, 82.0), "crown": 10.0},
+    "scarp": {"reaches": [(18, 38), (4, 66), (18, 30), (24, 37), (14, 20), (12, 8), (70, 0), (80, -12)], "floor": 94.0, "screens": (42.0, 80.0), "crown": 9.0},
+    "ramp": {"reaches": [(70, 36), (12, 16), (70, 0), (80, -12)], "floor": 88.0, "screens": (38.0, 76.0), "crown": 10.0},
 }
-SETS = {"development": ("talus", "benches", "convex"), "test": ("couloir", "steps", "hollow"), "final": ("road", "terraces", "gorge"), "later": ("bluff", "spur", "glacis")}
+SETS = {"development": ("talus", "benches", "convex"), "test": ("couloir", "steps", "hollow"), "final": ("road", "terraces", "gorge"), "later": ("bluff", "spur", "glacis"), "last": ("shoulder", "scarp", "ramp")}
 
 
 def heights(name, x):

@@ -110,11 +110,11 @@ struct CalibrationSettings {
     std::int64_t generations = 8;  ///< per start; a search that is cut short leaves more to the surroundings [-]
     std::int64_t search_repeats =
         5;  ///< of each block, in screening and search: noise is cheaper than precision there [-]
-    std::int64_t surroundings = 0;    ///< points of the quadratic fit; 0: 5 per coefficient, at least 40 [-]
-    std::int64_t repeats = 10;        ///< of each block, in race and surroundings [-]
-    std::int64_t final_repeats = 40;  ///< of each block, in the judgement [-]
-    std::int64_t folds = 5;           ///< of the cross-validation, at most the records; below 2: none [-]
-    std::int64_t draws = 2000;        ///< of the records, behind the intervals [-]
+    std::int64_t surroundings = 0;     ///< points of the quadratic fit; 0: 5 per coefficient, at least 40 [-]
+    std::int64_t repeats = 10;         ///< of each block, in race and surroundings [-]
+    std::int64_t final_repeats = 100;  ///< of each block, in the judgement [-]
+    std::int64_t folds = 5;            ///< of the cross-validation, at most the records; below 2: none [-]
+    std::int64_t draws = 2000;         ///< of the records, behind the intervals [-]
 };
 
 /// How well the test determines a parameter, by the length of its interval in shares of its range.
