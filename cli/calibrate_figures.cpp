@@ -67,7 +67,7 @@ Figure pair_figure(const CalibrationReport& r) {
     const auto& parameters = r.keys.problem.parameters;
     const std::size_t n = std::min(parameters.size(), kMostPairs);
     if (n < 2) return {};
-    constexpr double kSide = 190.0, kLeft = 78.0, kTop = 44.0, kGap = 18.0, kBottom = 56.0;
+    constexpr double kSide = 190.0, kLeft = 78.0, kTop = 44.0, kGap = 30.0, kBottom = 56.0;
     Svg svg(kLeft + static_cast<double>(n - 1) * (kSide + kGap) + 60.0,
             kTop + static_cast<double>(n - 1) * (kSide + kGap) + kBottom);
     for (std::size_t row = 1; row < n; ++row)
@@ -81,20 +81,16 @@ Figure pair_figure(const CalibrationReport& r) {
                 return corner + Vec2(kSide * unit(px, x), kSide * (1.0 - unit(py, y)));
             };
             if (row + 1 == n) {
-                if (!px.logarithmic)
-                    draw_x_axis(svg, panel, px.name, 4, false);
+                if (px.logarithmic)
+                    draw_x_ends(svg, panel, px.name, short_number(px.low), short_number(px.high));
                 else
-                    svg.text(corner + Vec2(0.5 * kSide, kSide + 35.0),
-                             px.name + ", " + short_number(px.low) + " to " + short_number(px.high),
-                             words(12.5, "middle"));
+                    draw_x_axis(svg, panel, px.name, 4, false);
             }
             if (column == 0) {
-                SvgText turned = words(12.5, "middle");
-                turned.turn = -90.0;
-                if (!py.logarithmic)
-                    draw_y_axis(svg, panel, py.name, 4, false);
+                if (py.logarithmic)
+                    draw_y_ends(svg, panel, py.name, short_number(py.low), short_number(py.high));
                 else
-                    svg.text(corner + Vec2(-20.0, 0.5 * kSide), py.name, turned);
+                    draw_y_axis(svg, panel, py.name, 4, false);
             }
             const std::size_t step = std::max<std::size_t>(1, r.result.draws.size() / kMostDots);
             for (std::size_t k = 0; k < r.result.draws.size(); k += step)

@@ -13,7 +13,7 @@ namespace {
 constexpr const char* kStyle =
     R"(body { font: 15px/1.45 Arial, Helvetica, 'Liberation Sans', sans-serif; color: #222; max-width: 1320px; margin: 24px auto; padding: 0 20px; }
 h1 { font-size: 24px; } h2 { font-size: 18px; margin-top: 32px; } h3 { font-size: 15px; margin-bottom: 4px; }
-table { border-collapse: collapse; margin: 10px 0; font-size: 13px; } th, td { padding: 3px 8px; text-align: right; border-bottom: 1px solid #ddd; }
+table { border-collapse: collapse; display: block; max-width: 100%; overflow-x: auto; margin: 10px 0; font-size: 13px; } th, td { padding: 3px 8px; text-align: right; border-bottom: 1px solid #ddd; }
 th:first-child, td:first-child { text-align: left; } td { white-space: nowrap; } @page { size: A3 landscape; } th { border-bottom: 2px solid #444; vertical-align: bottom; }
 td.beyond { color: #b04400; font-weight: bold; } tr.all td { border-top: 2px solid #444; font-weight: bold; }
 .verdict { font-size: 17px; border-left: 5px solid #0b4f8a; padding: 6px 14px; background: #f3f6fa; }

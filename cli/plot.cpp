@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "cli/plot.hpp"
 
+#include <algorithm>
 #include <cmath>
+#include <functional>
 
 namespace scree::cli {
 
@@ -10,16 +12,50 @@ namespace {
 constexpr double kTick = 5.0;         // [pixel]
 constexpr double kNumberSize = 11.5;  // [pixel]
 constexpr double kTitleSize = 12.5;   // [pixel]
+constexpr double kBeside = 16.0;      // that a title may be longer than its axis [pixel]
 constexpr double kMark = 20.0;        // of a legend [pixel]
 
 const gis::SvgPen kGrid{.stroke = "#000000", .width = 0.5, .fill = "none", .opacity = 0.12, .dashes = ""};
 const gis::SvgPen kAxis{.stroke = "#444444", .width = 1.0, .fill = "none", .opacity = 1.0, .dashes = ""};
 
-/// Calls `draw(value, text)` at every round number of an axis.
-template <class Draw>
-void each_tick(double low, double high, int most, Draw draw) {
+struct Tick {
+    double at;  ///< across or down [pixel]
+    std::string number;
+};
+
+std::vector<Tick> round_ticks(double low, double high, int most, const std::function<double(double)>& pixel) {
+    std::vector<Tick> ticks;
     const double step = gis::round_step(high - low, most);
-    for (const double number : gis::round_numbers(low, high, step)) draw(number, gis::axis_number(number, step));
+    for (const double number : gis::round_numbers(low, high, step))
+        ticks.push_back({pixel(number), gis::axis_number(number, step)});
+    return ticks;
+}
+
+/// Smaller letters where the title would run into what stands beside it.
+gis::SvgText title_words(const std::string& title, double length) {
+    return words(kTitleSize * std::min(1.0, (length + kBeside) / text_width(title, kTitleSize)), "middle");
+}
+
+void draw_below(gis::Svg& svg, const Box2& p, const std::string& title, const std::vector<Tick>& ticks, bool grid) {
+    for (const auto& [x, number] : ticks) {
+        if (grid) svg.segment({x, p.min.y()}, {x, p.max.y()}, kGrid);
+        svg.segment({x, p.max.y()}, {x, p.max.y() + kTick}, kAxis);
+        svg.text({x, p.max.y() + kTick + 12.0}, number, words(kNumberSize, "middle"));
+    }
+    svg.text({0.5 * (p.min.x() + p.max.x()), p.max.y() + 35.0}, title, title_words(title, p.max.x() - p.min.x()));
+}
+
+void draw_left(gis::Svg& svg, const Box2& p, const std::string& title, const std::vector<Tick>& ticks, bool grid) {
+    double widest = 0.0;
+    for (const auto& [y, number] : ticks) {
+        if (grid) svg.segment({p.min.x(), y}, {p.max.x(), y}, kGrid);
+        svg.segment({p.min.x() - kTick, y}, {p.min.x(), y}, kAxis);
+        svg.text({p.min.x() - kTick - 3.0, y + 4.0}, number, words(kNumberSize, "end"));
+        widest = std::max(widest, text_width(number, kNumberSize));
+    }
+    gis::SvgText upright = title_words(title, p.max.y() - p.min.y());
+    upright.turn = -90.0;
+    svg.text({p.min.x() - kTick - widest - 14.0, 0.5 * (p.min.y() + p.max.y())}, title, upright);
 }
 
 }  // namespace
@@ -48,29 +84,35 @@ gis::SvgText words(double size, const char* anchor, bool bold) {
 }
 
 void draw_x_axis(gis::Svg& svg, const gis::SvgPanel& panel, const std::string& title, int most, bool grid) {
-    const Box2& p = panel.pixels;
-    each_tick(panel.data.min.x(), panel.data.max.x(), most, [&](double value, const std::string& number) {
-        const double x = panel.at({value, panel.data.min.y()}).x();
-        if (grid) svg.segment({x, p.min.y()}, {x, p.max.y()}, kGrid);
-        svg.segment({x, p.max.y()}, {x, p.max.y() + kTick}, kAxis);
-        svg.text({x, p.max.y() + kTick + 12.0}, number, words(kNumberSize, "middle"));
-    });
-    svg.text({0.5 * (p.min.x() + p.max.x()), p.max.y() + 35.0}, title, words(kTitleSize, "middle"));
+    const Box2& data = panel.data;
+    draw_below(svg, panel.pixels, title,
+               round_ticks(data.min.x(), data.max.x(), most,
+                           [&](double value) {
+                               return panel.at({value, data.min.y()}).x();
+                           }),
+               grid);
 }
 
 void draw_y_axis(gis::Svg& svg, const gis::SvgPanel& panel, const std::string& title, int most, bool grid) {
+    const Box2& data = panel.data;
+    draw_left(svg, panel.pixels, title,
+              round_ticks(data.min.y(), data.max.y(), most,
+                          [&](double value) {
+                              return panel.at({data.min.x(), value}).y();
+                          }),
+              grid);
+}
+
+void draw_x_ends(gis::Svg& svg, const gis::SvgPanel& panel, const std::string& title, const std::string& low,
+                 const std::string& high) {
     const Box2& p = panel.pixels;
-    double widest = 0.0;
-    each_tick(panel.data.min.y(), panel.data.max.y(), most, [&](double value, const std::string& number) {
-        const double y = panel.at({panel.data.min.x(), value}).y();
-        if (grid) svg.segment({p.min.x(), y}, {p.max.x(), y}, kGrid);
-        svg.segment({p.min.x() - kTick, y}, {p.min.x(), y}, kAxis);
-        svg.text({p.min.x() - kTick - 3.0, y + 4.0}, number, words(kNumberSize, "end"));
-        widest = std::max(widest, text_width(number, kNumberSize));
-    });
-    gis::SvgText upright = words(kTitleSize, "middle");
-    upright.turn = -90.0;
-    svg.text({p.min.x() - kTick - widest - 14.0, 0.5 * (p.min.y() + p.max.y())}, title, upright);
+    draw_below(svg, p, title, {{p.min.x(), low}, {p.max.x(), high}}, false);
+}
+
+void draw_y_ends(gis::Svg& svg, const gis::SvgPanel& panel, const std::string& title, const std::string& low,
+                 const std::string& high) {
+    const Box2& p = panel.pixels;
+    draw_left(svg, p, title, {{p.max.y(), low}, {p.min.y(), high}}, false);
 }
 
 void draw_frame(gis::Svg& svg, const gis::SvgPanel& panel) {

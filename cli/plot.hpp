@@ -22,6 +22,11 @@ gis::SvgText words(double size, const char* anchor, bool bold = false);
 /// Ticks, numbers and a title on one side of a panel; lines across it if `grid`.
 void draw_x_axis(gis::Svg& svg, const gis::SvgPanel& panel, const std::string& title, int most = 8, bool grid = true);
 void draw_y_axis(gis::Svg& svg, const gis::SvgPanel& panel, const std::string& title, int most = 8, bool grid = true);
+/// The same for values that are not drawn in proportion: with the two ends of the axis alone.
+void draw_x_ends(gis::Svg& svg, const gis::SvgPanel& panel, const std::string& title, const std::string& low,
+                 const std::string& high);
+void draw_y_ends(gis::Svg& svg, const gis::SvgPanel& panel, const std::string& title, const std::string& low,
+                 const std::string& high);
 void draw_frame(gis::Svg& svg, const gis::SvgPanel& panel);
 
 /// A point with its interval, upright or level.

@@ -67,15 +67,17 @@ void draw_panel(Svg& svg, const Box2& pixels, const SweepStudy& study, const std
 }  // namespace
 
 Figure sweep_figure(const SweepStudy& study) {
-    constexpr double kWidth = 230.0, kHeight = 150.0, kLeft = 66.0, kTop = 66.0, kRight = 18.0, kBottom = 48.0;
+    constexpr double kWidth = 230.0, kHeight = 150.0, kLeft = 66.0, kTop = 66.0, kRight = 18.0, kBottom = 70.0;
+    constexpr std::ptrdiff_t kAcross = 4;  // panels in a row: more would be too small to read on a page
     std::vector<std::string> keys;
     for (const SweepValue& v : study.values)
         if (std::find(keys.begin(), keys.end(), v.key) == keys.end()) keys.push_back(v.key);
-    const auto columns = static_cast<std::ptrdiff_t>(study.measures.size()) + 1;
-    Svg svg(static_cast<double>(columns) * (kLeft + kWidth + kRight),
-            kTop + static_cast<double>(keys.size()) * (kHeight + kBottom + 22.0));
-    for (std::ptrdiff_t c = 0; c < columns; ++c) {
-        const std::ptrdiff_t measure = c - 1;
+    const auto panels = static_cast<std::ptrdiff_t>(study.measures.size()) + 1;
+    const std::ptrdiff_t rows = (panels + kAcross - 1) / kAcross;  // of each key
+    Svg svg(static_cast<double>(std::min(panels, kAcross)) * (kLeft + kWidth + kRight),
+            kTop + static_cast<double>(std::ssize(keys) * rows) * (kHeight + kBottom));
+    for (std::ptrdiff_t p = 0; p < panels; ++p) {
+        const std::ptrdiff_t measure = p - 1;
         double low = kInfinity, high = -kInfinity;
         for (const SweepValue* v : rows_of(study)) {
             const SetSpread& s = shown(*v, measure);
@@ -93,8 +95,9 @@ Figure sweep_figure(const SweepStudy& study) {
             std::vector<const SweepValue*> values;
             for (const SweepValue& v : study.values)
                 if (v.key == keys[k]) values.push_back(&v);
-            const Vec2 corner(kLeft + static_cast<double>(c) * (kLeft + kWidth + kRight),
-                              kTop + 22.0 + static_cast<double>(k) * (kHeight + kBottom + 22.0));
+            const std::ptrdiff_t row = static_cast<std::ptrdiff_t>(k) * rows + p / kAcross;
+            const Vec2 corner(kLeft + static_cast<double>(p % kAcross) * (kLeft + kWidth + kRight),
+                              kTop + 22.0 + static_cast<double>(row) * (kHeight + kBottom));
             draw_panel(svg, {corner, corner + Vec2(kWidth, kHeight)}, study, values, measure,
                        {{0.0, bottom}, {static_cast<double>(values.size()), top}});
             svg.text(corner + Vec2(0.5 * kWidth, kHeight + 35.0), keys[k], words(12.0, "middle"));
