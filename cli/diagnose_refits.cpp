@@ -13,8 +13,8 @@ namespace scree::cli {
 /// A gap over all so many times the largest of 95 % of chance is far beyond it [-].
 constexpr double kFarBeyond = 2.0;
 
-/// Standard errors by which blocks held out must be more likely with a name: 5 of 100 names that add nothing pass, if they were drawn blindly [-].
-constexpr double kGainErrors = 1.645;
+/// Standard errors by which blocks held out must be more likely with a name, as cross-validation prefers the simpler model (Breiman et al. 1984) [-].
+constexpr double kGainErrors = 1.0;
 
 bool is_far_beyond(const CompareStudy& study) {
     return study.overall.gap > kFarBeyond * study.overall.chance.high;

@@ -114,6 +114,8 @@ TEST(DiagnoseRefits, ByMoreThanChance) {
     EXPECT_EQ(doubtful.verdict, Verdict::Unknown);
     EXPECT_THAT(doubtful.demoted, HasSubstr("no more than chance can do (logarithm: 0.15 +- 0.3"));
     EXPECT_EQ(judged({-0.5, 0.7, -0.4, 0.8}, Verdict::DataProblem).verdict, Verdict::Unknown);
+    EXPECT_EQ(judged({-0.2, 0.9, -0.1, 0.6}, Verdict::Named).verdict, Verdict::Named) << "0.30 +- 0.27";
+    EXPECT_EQ(judged({-0.3, 0.9, -0.2, 0.6}, Verdict::Named).verdict, Verdict::Unknown) << "0.25 +- 0.30";
     EXPECT_EQ(judged({-0.5, 0.7, -0.4, 0.8}, Verdict::Group).verdict, Verdict::Group) << "no name is said";
 }
 
