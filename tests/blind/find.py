@@ -20,7 +20,7 @@ from pathlib import Path
 
 from seals import hash_of, seals, write_whole
 
-# smaller than the defaults, and nothing beyond the verdict: a case of 50 blocks takes one to ten minutes of one core
+# smaller than the defaults, and nothing beyond the verdict: a case of 50 blocks takes one to fifteen minutes of one core; one of 100 as a pool took more than 48
 BUDGET = ["calibration.starts=1", "calibration.generations=8", "calibration.surroundings=40", "calibration.repeats=4", "calibration.folds=3",
           "calibration.final_repeats=100", "diagnosis.reference_repeats=100", "diagnosis.repeats=12", "diagnosis.draws=499", "diagnosis.finalists=6",
           "observed.draws=200", "diagnosis.further=false", "diagnosis.power_search=0"]

@@ -284,7 +284,9 @@ TEST(Sweep, TellsApartWhatMattersFromWhatDoesNot) {
     EXPECT_THAT(scatter(4) / scatter(5), testing::AllOf(Gt(1.6), Lt(5.5)));
     for (const char* name : {"report.html", "sweep.csv", "figures/sweep.svg", "results.gpkg"})
         EXPECT_TRUE(fs::exists(out / name)) << name;
-    EXPECT_THAT(text_of(out / "figures" / "sweep.svg"), Not(HasSubstr("nan")));
+    const std::string picture = text_of(out / "figures" / "sweep.svg");
+    EXPECT_THAT(picture, Not(HasSubstr("nan")));
+    EXPECT_THAT(std::stod(picture.substr(picture.find(" width=\"") + 8)), Lt(1320.0)) << "wider, a page shrinks it";
 }
 
 // Keys that act on what is measured change what a simulation is compared as, like any other.

@@ -78,12 +78,12 @@ inline FramedBlock cube(double side = 1.0) {
     return {box_points(Vec3::Constant(side)), kRockDensity * side * side * side};
 }
 
-/// Release features, numbered from 1.
+/// Release features. Their numbers, from 11, are not their places in the layer.
 inline FeatureLayer release_layer(std::vector<Geometry> geometries) {
     FeatureLayer layer;
     layer.name = "release";
     for (Geometry& g : geometries)
-        layer.features.push_back({static_cast<std::int64_t>(layer.features.size()) + 1, std::move(g), {}});
+        layer.features.push_back({static_cast<std::int64_t>(layer.features.size()) + 11, std::move(g), {}});
     return layer;
 }
 

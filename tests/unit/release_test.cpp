@@ -52,8 +52,8 @@ TEST(ReleaseArea, SharesBlocksByAreaLengthAndNumber) {
         for (std::uint64_t block = 0; block < kDraws; ++block) {
             std::int64_t feature = 0;
             const Vec2 p = area.draw(1, block, feature);
-            EXPECT_EQ(feature, p.x() < -10.0 ? 1 : 2);
-            feature == 1 ? void(++first) : void(sum += p);
+            EXPECT_EQ(feature, p.x() < -10.0 ? 11 : 12);
+            feature == 11 ? void(++first) : void(sum += p);
         }
         EXPECT_NEAR(first, layout.share * kDraws, 4.0 * std::sqrt(0.25 * kDraws));
         EXPECT_LT((sum / (kDraws - first) - layout.middle).norm(), 0.8);  // standard error at most 0.17
@@ -68,7 +68,7 @@ TEST(ReleaseArea, CellsOneAfterTheOther) {
     ASSERT_EQ(area.cell_count(), 6U);
     std::int64_t feature = 0;
     EXPECT_EQ(area.draw(1, 0, feature), Vec2(2.5, 4.5));
-    EXPECT_EQ(feature, 1);
+    EXPECT_EQ(feature, 11);
     EXPECT_EQ(area.draw(1, 2, feature), Vec2(4.5, 4.5));
     EXPECT_EQ(area.draw(9, 3, feature), Vec2(2.5, 5.5));
 }
@@ -112,7 +112,7 @@ TEST(Release, StartsAsItIsTold) {
         double raised = -1.0;
         const BlockState<3> s = draw_release(settings, area, *surface, block, 1, k, feature, raised);
         EXPECT_EQ(raised, 0.0);
-        EXPECT_EQ(feature, 1);
+        EXPECT_EQ(feature, 11);
         EXPECT_EQ(Vec2(s.position.head<2>()), Vec2(4.0, 3.0));
         EXPECT_LT((s.velocity - Vec3(5.0, 0.0, 0.0)).norm(), 1e-12);
         EXPECT_NEAR(s.spin.norm(), 4.0, 1e-12);
