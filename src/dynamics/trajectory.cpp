@@ -107,8 +107,7 @@ TrajectoryEnd<3> simulate_piece(const ConvexBlock& block, const BlockState<3>& s
                                 MotionSink<3>* sink, BlockEffects<3>* effects) {
     const BodyInertia<3> body{block.mass, block.inertia};
     HullContacts contacts(block, surface, settings.vertices_only, settings.mode == SteppingMode::MoreauJean);
-    Engine<3, HullContacts> engine(body, contacts, soils, settings, sink, effects);
-    return engine.run(start, time);
+    return run_block(body, contacts, soils, settings, sink, effects, start, time);
 }
 
 TrajectoryEnd<2> simulate_piece(const ConvexPolygon& block, const BlockState<2>& start, double time,
@@ -116,8 +115,7 @@ TrajectoryEnd<2> simulate_piece(const ConvexPolygon& block, const BlockState<2>&
                                 MotionSink<2>* sink, BlockEffects<2>* effects) {
     const BodyInertia<2> body{block.mass, Space<2>::Spin(block.inertia)};
     PlaneContacts contacts(block, ground, settings.vertices_only, settings.mode == SteppingMode::MoreauJean);
-    Engine<2, PlaneContacts> engine(body, contacts, soils, settings, sink, effects);
-    return engine.run(start, time);
+    return run_block(body, contacts, soils, settings, sink, effects, start, time);
 }
 
 ConvexBlock scaled(const ConvexBlock& block, double factor) {

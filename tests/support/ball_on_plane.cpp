@@ -10,8 +10,7 @@ TrajectoryEnd<Dim> run_on_plane(const BodyInertia<Dim>& body, const BallOnPlane<
                                 std::span<const Soil> soils, const DynamicsSettings& settings,
                                 const BlockState<Dim>& release, MotionSink<Dim>* sink, BlockEffects<Dim>* effects,
                                 double from) {
-    Engine<Dim, const BallOnPlane<Dim>> engine(body, contacts, soils, settings, sink, effects);
-    return engine.run(release, from);
+    return run_block(body, contacts, soils, settings, sink, effects, release, from);
 }
 
 template TrajectoryEnd<2> run_on_plane<2>(const BodyInertia<2>&, const BallOnPlane<2>&, std::span<const Soil>,

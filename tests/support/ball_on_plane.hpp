@@ -14,7 +14,7 @@
 
 namespace scree::test {
 
-/// Contacts between a ball (a disc in 2D) and a plane through the origin, for the Engine: what rolls without corners.
+/// Contacts between a ball (a disc in 2D) and a plane through the origin, for the engine: what rolls without corners.
 template <int Dim>
 class BallOnPlane {
 public:
