@@ -74,7 +74,8 @@ protected:
             finished_ = true;
             end_.reason = StopReason::Failed;
         }
-        if (++turns_ > kMostTurns) finish(StopReason::Failed);
+        if (static_cast<double>(++turns_) > kMostTurns + settings_.time_limit / settings_.time_step)
+            finish(StopReason::Failed);
     }
 
     static bool is_finite(const State& s) {
@@ -245,7 +246,7 @@ protected:
     static constexpr double kEquilibriumShare =
         1e-3;  ///< acceleration from rest, as a share of gravity, that counts as none [-]
     static constexpr double kBeforeNet = 1e-3;  ///< a block that a net holds ends so far uphill of its line [m]
-    static constexpr std::int64_t kMostTurns = 50'000'000;
+    static constexpr double kMostTurns = 5e7;   ///< beyond steps of full length: more, and something is wrong [-]
 
     BodyInertia<Dim> body_;
     Contacts& finder_;

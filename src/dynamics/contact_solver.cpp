@@ -286,8 +286,9 @@ template <int Dim, int C>
     return best_norm / s.measure;
 }
 
-/// One contact, whatever Newton says: for a given r_N friction and rolling are a convex problem on two discs, and the normal velocity that
-/// results is continuous in r_N, negative at zero and positive for large r_N: a root is bracketed and bisected.
+/// One contact, whatever Newton says: for a given r_N friction and rolling are a problem on two discs, solved disc by disc in turn, and the normal velocity
+/// that results is continuous in r_N, negative at zero and positive for large r_N: a root is bracketed and bisected. What a disc is moved by of the other is
+/// a block of W of its own, since W is not symmetric.
 template <int Dim>
 [[gnu::noinline]] typename Scaled<Dim, 1>::Vector solve_one_by_bisection(const Scaled<Dim, 1>& s) {
     constexpr int T = Dim - 1;
@@ -299,7 +300,7 @@ template <int Dim>
     const double mu = s.mu[0], mu_r = s.mu_r[0];
     Local p = Local::Zero();
     const Block A = W.template block<T, T>(1, 1), B = W.template block<T, T>(1 + T, 1 + T),
-                C = W.template block<T, T>(1, 1 + T);
+                C = W.template block<T, T>(1, 1 + T), D = W.template block<T, T>(1 + T, 1);
     auto normal_velocity = [&](double r) {
         p[0] = r;
         const Tangent a = q.template segment<T>(1) + W.template block<T, 1>(1, 0) * r;
@@ -307,7 +308,7 @@ template <int Dim>
         Tangent x = p.template segment<T>(1), m = p.template segment<T>(1 + T);
         for (int k = 0; k < 500; ++k) {
             const Tangent x_new = minimise_on_disc<T>(A, a + C * m, mu * r);
-            const Tangent m_new = minimise_on_disc<T>(B, b + C.transpose() * x_new, mu_r * r);
+            const Tangent m_new = minimise_on_disc<T>(B, b + D * x_new, mu_r * r);
             const double change = (x_new - x).norm() + (m_new - m).norm();
             x = x_new;
             m = m_new;

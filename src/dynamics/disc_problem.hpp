@@ -8,7 +8,8 @@
 
 namespace scree {
 
-/// Minimises 1/2 x.A x + b.x over |x| <= radius, A symmetric positive definite (1x1 or 2x2).
+/// x with |x| <= radius and A x + b = -lambda x, where lambda >= 0 is zero inside: the minimum of 1/2 x.A x + b.x over the disc where A is symmetric. A is positive
+/// definite (1x1 or 2x2).
 template <int T>
 Eigen::Matrix<double, T, 1> minimise_on_disc(const Eigen::Matrix<double, T, T>& A, const Eigen::Matrix<double, T, 1>& b,
                                              double radius) {

@@ -338,7 +338,7 @@ private:
         state_.position = start + shift;
         for (auto& c : closed_) {
             c.gap += c.normal.dot(shift);
-            c.arm -= shift;
+            if (c.motion == ContactMotion::PassesBlock) c.arm -= shift;  // corners of the block keep their place in it
         }
     }
 

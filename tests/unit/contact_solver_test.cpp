@@ -18,9 +18,10 @@ namespace scree {
 
 namespace {
 
-/// A rigid body with random inertia touched at random points from below, moving into the ground.
+/// A rigid body with random inertia touched at random points from below, moving into the ground. Forces act along directions that are up to `ahead` [m, rad]
+/// from those whose velocities they hold, as in a step that looks ahead: W is not symmetric then.
 template <int Dim>
-ContactProblem<Dim> random_problem(RandomStream& random, int contacts) {
+ContactProblem<Dim> random_problem(RandomStream& random, int contacts, double ahead = 0.0) {
     constexpr int L = kLocalSize<Dim>;
     constexpr int dof = Dim == 3 ? 6 : 3;
     Eigen::MatrixXd G = Eigen::MatrixXd::Zero(dof, L * contacts);  // generalised directions of the local components
@@ -59,7 +60,10 @@ ContactProblem<Dim> random_problem(RandomStream& random, int contacts) {
     }
     ContactProblem<Dim> problem;
     problem.resize(contacts);
-    problem.delassus = G.transpose() * inverse_mass.asDiagonal() * G;
+    Eigen::MatrixXd pushed = G;
+    if (ahead > 0.0)
+        for (double& entry : pushed.bottomRows(dof - Dim).reshaped()) entry += random.uniform(-ahead, ahead);
+    problem.delassus = G.transpose() * inverse_mass.asDiagonal() * pushed;
     problem.free_velocity = G.transpose() * velocity;
     for (int c = 0; c < contacts; ++c) {
         problem.friction[static_cast<std::size_t>(c)] = random.uniform(0.0, 1.2);
@@ -68,15 +72,15 @@ ContactProblem<Dim> random_problem(RandomStream& random, int contacts) {
     return problem;
 }
 
-/// Impulses in the cone, residual below tolerance, and energy not gained: p.(u_before + u_after)/2 <= 0.
+/// Impulses in the cone, residual below tolerance, and, where W is symmetric, energy not gained: p.(u_before + u_after)/2 <= 0.
 template <int Dim>
-void check_random_problems(int contacts, int count, double tolerance) {
+void check_random_problems(int contacts, int count, double tolerance, double ahead = 0.0) {
     RandomStream random(99, static_cast<std::uint64_t>(contacts), RandomPurpose::Effect);
     ContactSolverSettings settings;
     settings.tolerance = tolerance;
     int failed = 0;
     for (int k = 0; k < count; ++k) {
-        const ContactProblem<Dim> problem = random_problem<Dim>(random, contacts);
+        const ContactProblem<Dim> problem = random_problem<Dim>(random, contacts, ahead);
         Eigen::VectorXd p = Eigen::VectorXd::Zero(problem.free_velocity.size());
         const ContactSolverReport report = solve_contacts(problem, settings, p);
         if (report.status != SolverStatus::Converged) {
@@ -93,6 +97,7 @@ void check_random_problems(int contacts, int count, double tolerance) {
             EXPECT_LE(p.template segment<T>(n + 1 + T).norm(),
                       problem.rolling[static_cast<std::size_t>(c)] * p[n] * (1 + 1e-12) + 1e-12);
         }
+        if (ahead > 0.0) continue;
         const Eigen::VectorXd& before = problem.free_velocity;
         const Eigen::VectorXd after = problem.delassus * p + before;
         const double scale = p.cwiseAbs().dot(before.cwiseAbs()) + 1e-12;
@@ -123,6 +128,16 @@ TEST(ContactSolver, RandomProblemsTwoContacts2D) {
 }
 TEST(ContactSolver, RandomProblemsFourContacts2D) {
     check_random_problems<2>(4, 1000, 1e-10);
+}
+
+TEST(ContactSolver, StepsThatLookAheadOneContact3D) {
+    check_random_problems<3>(1, 20000, 1e-10, 0.05);
+}
+TEST(ContactSolver, StepsThatLookAheadThreeContacts3D) {
+    check_random_problems<3>(3, 3000, 1e-10, 0.02);
+}
+TEST(ContactSolver, StepsThatLookAheadOneContact2D) {
+    check_random_problems<2>(1, 20000, 1e-10, 0.05);
 }
 
 TEST(ContactSolver, ProjectionIsTheNearestPointOfTheCone) {

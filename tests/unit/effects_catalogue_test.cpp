@@ -98,9 +98,12 @@ TEST(EffectPlace, BordersAndLinesOnTheWay) {
     EXPECT_EQ(place.first_border(Vec2(6, 1), Vec2(7, 1)), kInfinity);   // leaves from the border itself
     EXPECT_DOUBLE_EQ(place.first_border(Vec2(1, 5), Vec2(3, 3)), 0.5);  // through a corner
     place.lines = {Points{{0, 2, kNaN}, {5, 2, kNaN}, {5, 9, kNaN}}};
-    EXPECT_DOUBLE_EQ(place.first_line(Vec2(1, 0), Vec2(1, 4)), 0.5);
-    EXPECT_DOUBLE_EQ(place.first_line(Vec2(6, 5), Vec2(4, 5)), 0.5);
-    EXPECT_EQ(place.first_line(Vec2(1, 2), Vec2(1, 4)), kInfinity);
+    EXPECT_DOUBLE_EQ(place.next_line(Vec2(1, 0), Vec2(1, 4), 0.0), 0.5);
+    EXPECT_DOUBLE_EQ(place.next_line(Vec2(6, 5), Vec2(4, 5), 0.0), 0.5);
+    EXPECT_EQ(place.next_line(Vec2(1, 2), Vec2(1, 4), 0.0), kInfinity);
+    EXPECT_DOUBLE_EQ(place.next_line(Vec2(2, 0), Vec2(6, 4), 0.0), 0.5);
+    EXPECT_DOUBLE_EQ(place.next_line(Vec2(2, 0), Vec2(6, 4), 0.5), 0.75);
+    EXPECT_EQ(place.next_line(Vec2(2, 0), Vec2(6, 4), 0.75), kInfinity);
 
     using Chainage = Eigen::Matrix<double, 1, 1>;
     place.reaches = std::vector<Stretch>{{2.0, 4.0}, {7.0, 8.0}};
@@ -108,8 +111,8 @@ TEST(EffectPlace, BordersAndLinesOnTheWay) {
     EXPECT_FALSE(place.covers(0, Chainage(5.0)));
     EXPECT_DOUBLE_EQ(place.first_border(Chainage(8.5), Chainage(3.5)), 0.1);
     place.stations = {5.0};
-    EXPECT_DOUBLE_EQ(place.first_line(Chainage(4.0), Chainage(6.0)), 0.5);
-    EXPECT_EQ(place.first_line(Chainage(5.0), Chainage(6.0)), kInfinity);
+    EXPECT_DOUBLE_EQ(place.next_line(Chainage(4.0), Chainage(6.0), 0.0), 0.5);
+    EXPECT_EQ(place.next_line(Chainage(5.0), Chainage(6.0), 0.0), kInfinity);
 }
 
 // ---- before the motion -------------------------------------------------------------------------------------------------------------

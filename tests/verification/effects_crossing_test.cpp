@@ -101,6 +101,28 @@ TYPED_TEST(EffectCrossing, NetHoldsARollingBallUphillOfIt) {
     EXPECT_NEAR(end.time, 0.5, 1e-3);
 }
 
+// Nearer to each other than a step is long: each takes its share, and the second holds what the first has let through.
+TYPED_TEST(EffectCrossing, NetsOneBehindAnotherAreBothMet) {
+    this->ball.soil = {"level", 0.0, 0.8, 0.0};
+    Effect net = across(effect_with(EffectKind::Net, {{"capacity", 5.0}, {"height", 3.0}}), 4.0);
+    if constexpr (TypeParam::value == 3) {
+        net.place.lines.push_back(
+            {{4.01, -100.0, 0.0}, {4.01, 0.0, 0.0}, {4.01, 100.0, 0.0}});  // its post in the way: once
+    } else {
+        net.place.stations.push_back(4.01);
+    }
+    this->ball.effects = {net};
+    const auto end = this->ball.run(this->ball.sliding(0.0, 8.0, true), 1.0);
+    const double start = 500.0 * (1.0 + this->ball.roundness()) * 64.0;
+    EXPECT_NEAR(this->kinetic(end.state), start - 10e3, 1e-3 * start);
+    EXPECT_EQ(end.counters.crossings_struck, 2);
+    this->ball.effects[0].set("capacity", 0.7e-3 * start);
+    const auto held = this->ball.run(this->ball.sliding(0.0, 8.0, true), 1.0);
+    EXPECT_EQ(held.reason, StopReason::AtRest);
+    EXPECT_GT(held.state.position[0], 4.0);
+    EXPECT_LT(held.state.position[0], 4.01);
+}
+
 // ---- trees -------------------------------------------------------------------------------------------------------------------------
 
 TEST(TreeFormula, NumbersOfTheSource) {

@@ -344,6 +344,26 @@ TYPED_TEST(EffectDrag, ScarDragActsUntilTheScarIsLeftBehind) {
     EXPECT_LT(all.back().velocity_end[0], 0.98 * v);
 }
 
+// The scar of a block that breaks is no deeper than half its largest piece.
+TYPED_TEST(EffectDrag, AScarIsNoDeeperThanThePiece) {
+    constexpr int kDim = TestFixture::kDimension;
+    this->ball.soil = {"level", 0.0, 0.0, 0.0};
+    this->ball.effects = {
+        effect_with(EffectKind::ScarDrag, {{"resistance", 2.5}, {"density", 1700.0}, {"modulus", 1e-2}}),
+        effect_with(EffectKind::Fragmentation, {{"speed", 6.0}, {"share", 0.125}, {"most", 1.0}})};
+    auto release = this->ball.at(0.0, 2.0);
+    release.velocity[0] = 6.0;
+    MotionRecorder<kDim> motion;
+    this->ball.run(release, 2.0, &motion);
+    const auto& all = motion.segments();
+    const auto first = std::find_if(all.begin(), all.end(), [](const auto& m) { return m.in_contact; });
+    ASSERT_NE(first, all.end());
+    EXPECT_NEAR(first->mass, 0.125 * this->ball.mass, 1e-9);
+    const double radius = 0.5 * this->ball.radius,
+                 k = 0.5 * 2.5 * 1700.0 * effect_formula::scar_area(radius, radius) / first->mass;
+    EXPECT_NEAR(first->velocity_end[0], first->velocity_start[0] * std::exp(-k * 6.0 * first->duration), 1e-9);
+}
+
 // Touches on the way out of a scar do not begin it anew: n of them would leave (1 - 1/n)^n of its depth after one diameter.
 TYPED_TEST(EffectDrag, AShallowImpactLeavesADeepScarAsItIs) {
     constexpr int kDim = TestFixture::kDimension;

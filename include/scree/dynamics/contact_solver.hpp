@@ -23,7 +23,7 @@ struct ContactProblem {
 
     int count = 0;  ///< number of contacts [-]
     Eigen::MatrixXd
-        delassus;  ///< W = G^T M^-1 G, kLocal count square, positive semidefinite, symmetric but for the gyroscopic terms in M [1/kg, 1/(kg m), 1/(kg m^2)]
+        delassus;  ///< W = G^T M^-1 G, kLocal count square, positive semidefinite; not symmetric where M has gyroscopic terms or a step looks ahead [1/kg, 1/(kg m), 1/(kg m^2)]
     Eigen::VectorXd free_velocity;  ///< q, contact by contact [m/s, rad/s]
     std::vector<double> friction;   ///< mu of each contact [-]
     std::vector<double> rolling;    ///< mu_r of each contact [m]

@@ -137,9 +137,10 @@ struct EffectPlace {
     /// Share in (0, 1] of the way from one place to another at which the border of the zone is crossed first, infinite if it is not.
     double first_border(const Vec2& from, const Vec2& to) const;
     double first_border(const Eigen::Matrix<double, 1, 1>& from, const Eigen::Matrix<double, 1, 1>& to) const;
-    /// The same for the lines of a net.
-    double first_line(const Vec2& from, const Vec2& to) const;
-    double first_line(const Eigen::Matrix<double, 1, 1>& from, const Eigen::Matrix<double, 1, 1>& to) const;
+    /// The same for the first line of a net that is crossed beyond the share `after`.
+    double next_line(const Vec2& from, const Vec2& to, double after) const;
+    double next_line(const Eigen::Matrix<double, 1, 1>& from, const Eigen::Matrix<double, 1, 1>& to,
+                     double after) const;
 };
 
 /// The functions of the effect `own_law`, see scree/own_law.h; what is absent does nothing.

@@ -19,6 +19,8 @@ using namespace effect_formula;
 constexpr double kSmallestPiece = 0.05;
 /// A flight is taken this far beyond a border or an obstacle, so that the next piece begins behind it [m].
 constexpr double kPast = 1e-4;
+/// Two stretches of a net's line that are crossed this near to each other are crossed at the post between them, once [share of a step].
+constexpr double kSamePost = 1e-9;
 /// A shorter piece takes another way by as little as its end is off: it could fall short of the border for ever [s].
 constexpr double kLeastPiece = 1e-5;
 
@@ -197,9 +199,13 @@ template <int Dim>
 double BlockEffects<Dim>::take_piece() {
     const double factor = std::cbrt(piece_);
     body_.mass *= piece_;
-    for (Part& p : parts_)  // the way to the next tree of a stand: what is smaller meets fewer
-        if (p.kind == EffectKind::Trees) p.memory *= (body_.length + p.value[0]) / (factor * body_.length + p.value[0]);
-    body_.length *= factor;
+    const double length = factor * body_.length;
+    for (Part& p : parts_) {
+        if (p.kind == EffectKind::Trees)  // the way to the next tree of a stand: what is smaller meets fewer
+            p.memory *= (body_.length + p.value[0]) / (length + p.value[0]);
+        if (p.kind == EffectKind::ScarDrag) p.memory = std::min(p.memory, 0.5 * length);
+    }
+    body_.length = length;
     ++breaks_;
     broken_ = false;
     second_.reset();
@@ -347,7 +353,7 @@ double BlockEffects<Dim>::first_change(const Vec& from, const Vec& to) const {
     for (const Part& p : parts_) {
         if (p.hook != EffectHook::Force && p.hook != EffectHook::Crossing) continue;
         first = std::min(first, p.place->first_border(plan(from), plan(to)));
-        if (p.kind == EffectKind::Net) first = std::min(first, p.place->first_line(plan(from), plan(to)));
+        if (p.kind == EffectKind::Net) first = std::min(first, p.place->next_line(plan(from), plan(to), 0.0));
         if (p.kind != EffectKind::Trees) continue;
         if (!p.place->points.empty())
             for_each_tree(p, from, to, [&](double share, double) { first = std::min(first, share); });
@@ -408,20 +414,23 @@ void BlockEffects<Dim>::lose(double energy, double& kinetic, State& s) {
     kinetic = left;
 }
 
+/// What a step in contact meets, which may be several lines or trees.
 template <int Dim>
 void BlockEffects<Dim>::cross(Part& p, const Vec& from, double& kinetic, State& s) {
     if (held_) return;  // what stands behind is not met
     if (p.kind == EffectKind::Net) {
-        const double share = p.place->first_line(plan(from), plan(s.position));
-        if (!(share <= 1.0) || !(height_over_ground(from + share * (s.position - from)) <= p.value[1])) return;
-        lose(1000.0 * p.value[0], kinetic, s);
-        if (kinetic > 0.0) return;
-        held_ = true;
-        beyond_net_ = (1.0 - share) * (plan(s.position) - plan(from)).norm();
+        const auto next = [&](double after) { return p.place->next_line(plan(from), plan(s.position), after); };
+        for (double share = next(0.0); share <= 1.0; share = next(share + kSamePost)) {
+            if (!(height_over_ground(from + share * (s.position - from)) <= p.value[1])) continue;
+            lose(1000.0 * p.value[0], kinetic, s);
+            if (kinetic > 0.0) continue;
+            held_ = true;
+            beyond_net_ = (1.0 - share) * (plan(s.position) - plan(from)).norm();
+            return;
+        }
         return;
     }
     const double capacity = tree_capacity(p.value[0], p.value[2]);
-    // in contact a step may meet several
     if (!p.place->points.empty()) {
         for_each_tree(p, from, s.position, [&](double share, double offset) {
             if (height_over_ground(from + share * (s.position - from)) <= p.value[3])

@@ -69,17 +69,23 @@ double EffectPlace::first_border(const Eigen::Matrix<double, 1, 1>& from, const 
     return first;
 }
 
-double EffectPlace::first_line(const Vec2& from, const Vec2& to) const {
+double EffectPlace::next_line(const Vec2& from, const Vec2& to, double after) const {
     double first = kInfinity;
     for (const Points& line : lines)
-        for (std::size_t k = 1; k < line.size(); ++k)
-            first = std::min(first, meeting(from, to, line[k - 1].head<2>(), line[k].head<2>()));
+        for (std::size_t k = 1; k < line.size(); ++k) {
+            const double share = meeting(from, to, line[k - 1].head<2>(), line[k].head<2>());
+            if (share > after) first = std::min(first, share);
+        }
     return first;
 }
 
-double EffectPlace::first_line(const Eigen::Matrix<double, 1, 1>& from, const Eigen::Matrix<double, 1, 1>& to) const {
+double EffectPlace::next_line(const Eigen::Matrix<double, 1, 1>& from, const Eigen::Matrix<double, 1, 1>& to,
+                              double after) const {
     double first = kInfinity;
-    for (const double station : stations) first = std::min(first, meeting(from[0], to[0], station));
+    for (const double station : stations) {
+        const double share = meeting(from[0], to[0], station);
+        if (share > after) first = std::min(first, share);
+    }
     return first;
 }
 
