@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "cli/observation_resolver.hpp"
 
+#include "cli/text.hpp"
 #include "scree/base/error.hpp"
 #include "scree/base/units.hpp"
 
@@ -16,6 +17,10 @@ namespace scree::cli {
 namespace {
 
 constexpr std::size_t kListed = 4;  // offenders that a sentence names [-]
+/// A release point farther from the release layer is perhaps another block's, or in other coordinates [m].
+constexpr double kFarFromRelease = 50.0;
+/// The height of the release, which is above the ground, and cells of the DTM make up for less than this [m].
+constexpr double kRiseAllowed = 10.0;
 
 /// "A, B and 3 more".
 std::string listed(const std::set<std::string>& names) {
@@ -95,6 +100,7 @@ public:
         add_impacts();
         add_shares();
         add_releases();
+        check_fall();
         name_paths();
         decide_matching();
         decide_thrown();
@@ -232,9 +238,11 @@ private:
         std::vector<Profile> profiles;
         for (const ProfileTrack& track : model_.campaign.tracks) profiles.push_back(track.profile);
         const double farthest = site_.settings.profile_release_distance;
-        std::set<std::string> off, beside;
+        std::set<std::string> off, beside, seen, twice, unmeasured, far;
         for (const gis::ReleaseRecord& r : records_.releases) {
+            if (!r.body.id.empty() && !seen.insert(r.body.id).second) twice.insert(r.body.id);
             const auto at = index_.find(r.body.id);
+            if (at == index_.end()) unmeasured.insert(r.body.id);
             if (at == index_.end() || !std::isfinite(r.position.x())) continue;
             ObservedBlock& block = result_.observations.blocks[static_cast<std::size_t>(at->second)];
             const Vec2 place = r.position.head<2>();
@@ -242,6 +250,7 @@ private:
                 off.insert(r.body.id);
             } else if (!model_.in_plane()) {
                 block.release = place;
+                if (distance_to_release(place) > kFarFromRelease) far.insert(r.body.id);
             } else if (const auto foot = ProfileRelease::foot(place, profiles, farthest)) {
                 block.release = place;  // the third dimension knows as much of it
                 block.profile = static_cast<std::int32_t>(foot->profile);
@@ -254,6 +263,19 @@ private:
             find(Severity::Error, "release_off_terrain",
                  std::to_string(off.size()) + " release points lie off the DTM or over a hole in it (" + listed(off) +
                      "): check coordinates and CRS");
+        if (!twice.empty())
+            find(Severity::Error, "release_twice",
+                 "release_points have more than one row for " + listed(twice) + ": one for each block");
+        if (!unmeasured.empty())
+            find(Severity::Warning, "release_unmeasured",
+                 std::to_string(unmeasured.size()) +
+                     " release points are of blocks that nothing else was measured of (" + listed(unmeasured) +
+                     "), and are not used: block_id must be that of the stops and crossings");
+        if (!far.empty())
+            find(Severity::Warning, "release_far",
+                 std::to_string(far.size()) + " release points lie more than " + short_number(kFarFromRelease) +
+                     " m from the release layer (" + listed(far) +
+                     "): these blocks start there all the same; check block_id and coordinates");
         if (!beside.empty()) {
             std::ostringstream text;
             text << beside.size() << " release points lie more than " << farthest << " m from every profile ("
@@ -262,6 +284,30 @@ private:
                     "profile.release_distance is that distance";
             find(Severity::Warning, "release_beside_profile", text.str());
         }
+    }
+
+    /// No block ends higher than it began.
+    void check_fall() {
+        const Surface& surface = *model_.terrain.surface;
+        std::set<std::string> uphill;
+        for (const ObservedStop& stop : result_.observations.stops) {
+            if (stop.block < 0 || !std::isfinite(stop.position.x())) continue;
+            const ObservedBlock& block = result_.observations.blocks[static_cast<std::size_t>(stop.block)];
+            if (!std::isfinite(block.release.x())) continue;
+            const double rise = surface.height(stop.position.head<2>()) - surface.height(block.release);
+            if (rise > std::max(stop.error, 0.0) + kRiseAllowed) uphill.insert(block.id);
+        }
+        if (!uphill.empty())
+            find(Severity::Warning, "stop_above_release",
+                 std::to_string(uphill.size()) + " blocks stopped higher than where they were let go (" +
+                     listed(uphill) + "), which no block does: check block_id and coordinates of stops and releases");
+    }
+
+    double distance_to_release(const Vec2& place) const {
+        double least = kInfinity;
+        for (const Feature& feature : model_.release.layer.features)
+            least = std::min(least, plan_distance(place, feature.geometry));
+        return least;
     }
 
     /// Number of the profile on which a block was let go, or in 3D of the feature of the release layer; -1: unknown.

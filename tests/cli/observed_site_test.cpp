@@ -160,6 +160,40 @@ TEST(ObservedSite, BlocksStartWhereTheyWereLetGo) {
         }
 }
 
+// Where blocks were let go is judged like what else was measured: whose it is, how far from the release layer, and that blocks end below it.
+TEST(ObservedSite, ReleasePointsAreJudged) {
+    const test::TempDir folder;
+    const SiteFile site = read_site_file(test::quarry_with(folder.path(), ""), {"model.dimension=3"});
+    const SiteModel model = load_site(site);
+    const test::Outcome run = test::run_quarry_a(folder / "field", {"--set", "release.count=6", "--seed", "5"});
+    ASSERT_EQ(run.code, 0) << run.err;
+    const auto stops = test::read_points(folder / "field" / "results.gpkg", "stopping_points"),
+               releases = test::read_points(folder / "field" / "results.gpkg", "release_points");
+    const auto row = [](const std::string& id, const auto& point) {
+        return id + "," + std::to_string(point.at.x()) + "," + std::to_string(point.at.y()) + "\n";
+    };
+    const auto found = [&](const std::string& of_stops, const std::string& of_releases) {
+        fs::create_directories(folder / "obs");
+        test::put(folder / "obs" / "stopping_points.csv", "block_id,easting_m,northing_m\n" + of_stops);
+        test::put(folder / "obs" / "release_points.csv", "block_id,easting_m,northing_m\n" + of_releases);
+        std::vector<std::string> checks;
+        for (const Finding& f : load_observed(site, model, (folder / "obs").string()).findings)
+            if (std::string(f.check).find("release") != std::string::npos)
+                checks.push_back((f.severity == Severity::Error ? "error " : "warning ") + std::string(f.check));
+        return checks;
+    };
+    const std::string both_stops = row("A", stops[0]) + row("B", stops[1]);
+    EXPECT_THAT(found(both_stops, row("A", releases[0]) + row("B", releases[1])), ElementsAre());
+    EXPECT_THAT(found(both_stops, row("A", releases[0]) + row("A", releases[1])), ElementsAre("error release_twice"));
+    EXPECT_THAT(found(both_stops, row("A", releases[0]) + row("C", releases[1])),
+                ElementsAre("warning release_unmeasured"));
+    const auto lowest = *std::max_element(stops.begin(), stops.end(),  // the slope falls to the east
+                                          [](const auto& a, const auto& b) { return a.at.x() < b.at.x(); });
+    EXPECT_THAT(found(row("A", lowest), row("A", lowest)), ElementsAre("warning release_far"));
+    EXPECT_THAT(found(row("A", releases[0]), row("A", lowest)),
+                ElementsAre("warning release_far", "warning stop_above_release"));
+}
+
 // Blocks go down the path that begins where they were let go: a feature of the release layer, or in 2D a profile.
 TEST(ObservedSite, PathsBeginWhereBlocksWereLetGo) {
     const test::TempDir folder;
