@@ -34,7 +34,8 @@ bool leaves_less(const CompareStudy& model, const CompareStudy& other, const Com
     const auto count = [](const CompareStudy& study) {
         return std::ranges::count_if(study.observables, &ObservableGap::counts, &ComparedObservable::gap);
     };
-    return count(model) >= count(other) && distance_over(model, yardstick) < distance_over(other, yardstick);
+    return count(model) >= count(other) && !(model.overall.gap > other.overall.gap) &&
+           distance_over(model, yardstick) < distance_over(other, yardstick);
 }
 
 /// A law as strong as is searched at all, within a standard deviation: nobody knows how strong it would have to be, and what stands in for something else ends there. (What acts in a place may hold

@@ -14,7 +14,8 @@ bool is_far_beyond(const CompareStudy& study);
 /// Mean distance of the observables, in floors of `yardstick`: distance_over().
 double distance_over(const CompareStudy& model, const CompareStudy& yardstick);
 
-/// A model leaves less than another one of the same measurements: of no fewer observables, by distance_over() in the floors of `yardstick`.
+/// A model leaves less than another one of the same measurements: of no fewer observables, by distance_over() in the floors of `yardstick`, and no more by
+/// the gap over all. (Means of many observables may fall a little while blocks stop elsewhere.)
 bool leaves_less(const CompareStudy& model, const CompareStudy& other, const CompareStudy& yardstick);
 
 /// A name with which the model, calibrated anew, is still far from the measurements is none, nor one that predicts blocks that it was not fitted to

@@ -76,6 +76,28 @@ TEST(DiagnoseModels, AModelGoesBackToWhereAnotherCalibrationBegan) {
     EXPECT_EQ(back.result.places[0].held_out.loss, 6.0);
 }
 
+// Of one observable at a distance of so many floors of the yardstick, and of so large a gap over all.
+TEST(DiagnoseRefits, AModelThatLeavesMoreOverAllLeavesNoLess) {
+    const auto study = [](double distance, double gap) {
+        CompareStudy s;
+        s.observables.resize(1);
+        ObservableGap& g = s.observables.front().gap;
+        g.observable.name = "runout";
+        g.observable.overall = true;
+        g.pooled.gap = g.pooled.distance = distance;
+        g.pooled.floor = 1.0;
+        s.overall.gap = gap;
+        return s;
+    };
+    const CompareStudy calibrated = study(22.5, 22.2);
+    EXPECT_TRUE(leaves_less(study(21.3, 21.0), calibrated, calibrated));
+    EXPECT_FALSE(leaves_less(study(23.0, 21.0), calibrated, calibrated)) << "it scatters more";
+    EXPECT_FALSE(leaves_less(study(21.3, 22.8), calibrated, calibrated)) << "blocks stop elsewhere";
+    CompareStudy fewer = study(1.0, 1.0);
+    fewer.observables.clear();
+    EXPECT_FALSE(leaves_less(fewer, calibrated, calibrated));
+}
+
 TEST(DiagnoseRefits, AnAnswerThatClosesTheGapAndPredictsBetterStays) {
     DiagnoseStudy study = study_of({answer("ground_drag", 4.7, 0.9)});
     judge_refits(study);
