@@ -35,12 +35,15 @@ std::string best_of(std::vector<ForceWay> ways, double sign) {
     return text + " (z = " + short_number(sign * ways.front().z) + others + ")";
 }
 
-/// z of all ways and places of a force, those of candidates that were not tried empty.
+/// z of all ways and places of a force, those of candidates that were not tried empty; nothing of what no strength that was tried could show: its z is noise.
 std::vector<double> force_z(const DiagnoseStudy& study, const std::string& name) {
     std::vector<double> z;
+    const ScoreResult& score = study.by_force.score;
     Eigen::Index at = 0;
     for (const EffectDose& d : study.by_force.looked_at) {
-        if (study.forces.candidates[d.effect].name == name) z.push_back(study.by_force.score.z[at]);
+        const DiagnosisCandidate& force = study.forces.candidates[d.effect];
+        const bool visible = score.visibility[at] * force.variants[d.variant].most >= kForceSeen;
+        if (force.name == name) z.push_back(visible ? score.z[at] : 0.0);
         ++at;
     }
     return z;

@@ -108,6 +108,8 @@ DiagnoseStudy tried(std::vector<double> contact, double all, std::vector<double>
             Eigen::VectorXd& all_z = study.by_force.score.z;
             all_z.conservativeResize(all_z.size() + 1);
             all_z[all_z.size() - 1] = z[k];
+            study.by_force.score.visibility.setConstant(all_z.size(), 1.0);
+            study.forces.candidates.back().variants.emplace_back().most = 10.0;
         }
     };
     add(kForceNames[0], contact);
@@ -123,6 +125,15 @@ TEST(DiagnoseForce, SaysPhaseSpeedMassAndPlace) {
     EXPECT_THAT(said[1], HasSubstr("speed^1 or speed^2 (z = 6")) << "not told apart";
     EXPECT_THAT(said[2], HasSubstr("it is alike for all masses (z = 6"));
     EXPECT_THAT(said[3], HasSubstr("it acts from 30 to 60 m (z = 7"));
+}
+
+// Beyond where most blocks stop a force could do nothing: what its fingerprint finds there is noise.
+TEST(DiagnoseForce, SaysNoPlaceWhereNoForceCouldBeSeen) {
+    DiagnoseStudy study = tried({1, 1, 1, 6, 3, 2, 5.9, 2, 2}, 2.0, {4.0, 7.0});
+    study.by_force.score.visibility.tail<1>().setConstant(0.1);
+    const auto said = force_sentences(study);
+    ASSERT_EQ(said.size(), 4U);
+    EXPECT_THAT(said[3], HasSubstr("it acts all along the path (z = 6; from 0 to 30 m: 4"));
 }
 
 TEST(DiagnoseForce, SaysThatTheModelHoldsBackTooMuch) {
