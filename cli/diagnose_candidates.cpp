@@ -394,7 +394,10 @@ std::vector<CandidateEffect> DiagnosisCatalogue::for_core() const {
         for (const DiagnosisVariant& v : c.variants) {
             e.variants.push_back({v.label, v.most, v.path});
             // left to a diagnosis in 3D, which does not simulate in 2D besides
-            if (v.space) e.second_beside = false;
+            if (v.space) {
+                e.second_beside = false;
+                e.share = true;
+            }
         }
         list.push_back(std::move(e));
     }

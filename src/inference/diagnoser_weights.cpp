@@ -64,22 +64,23 @@ double log_volume(const Eigen::MatrixXd& information, Eigen::Index last) {
 }
 
 /// Of a finalist, but for what all have in common: likelihood, times the price of strength and place (Laplace's approximation with priors that are flat over the
-/// allowed strengths, the path, and the logarithm of the length; instruments that err by more than the reference strength are believed less and less) and of
-/// the choice among effects and variants.
+/// logarithm of the strength, so that no law pays for where the search for it ends, or over the share of the blocks, over the path, and the logarithm of the
+/// length; instruments that err by more than the reference strength are believed less and less) and of the choice among effects and variants.
 double Diagnoser::log_weight(const Hypothesis& h) const {
     const EffectDose& v = variants_[h.fingerprint];
     const CandidateEffect& effect = problem_.effects[v.effect];
     const auto share = [](double deviation, double range) {
         return std::log(std::min(1.0, std::sqrt(2.0 * std::numbers::pi) * deviation / range));
     };
-    double price = share(h.strength_deviation, effect.variants[v.variant].most);
+    const double strengths = effect.share ? effect.variants[v.variant].most : -std::log(kLeastStrength) * h.strength;
+    double price = share(h.strength_deviation, strengths);
     if (effect.measurement) {  // the integral of a normal likelihood over half a normal distribution
         const double variance = 1.0 + h.strength_deviation * h.strength_deviation;
         price = std::log(std::min(1.0, 2.0 * h.strength_deviation / std::sqrt(variance))) -
                 0.5 * h.strength * h.strength / variance;
     }
     if (h.on)  // together: a strong effect on a short stretch is much like a weak one on a long one
-        price = std::min(0.0, h.log_room - std::log(effect.variants[v.variant].most * path_of(h.fingerprint).length() *
+        price = std::min(0.0, h.log_room - std::log(strengths * path_of(h.fingerprint).length() *
                                                     std::log(kLongestShare / kShortestShare)));
     return -0.5 * h.q + price +
            std::log((1.0 - settings_.prior_none) * (1.0 - settings_.prior_unnamed) /

@@ -177,7 +177,7 @@ TEST(Calibrate, FreesEffectsAndSeveralSoilsAtOnce) {
                                   "--set",      "model.dimension=2",
                                   "--free",     "soil.*.restitution=0:0.4",
                                   "--free",     "effect.ground_drag.coefficient=0:1"};
-    for (const char* set : {"starts=1", "screening=3", "generations=1", "search_repeats=3", "surroundings=12",
+    for (const char* set : {"starts=1", "screening=6", "generations=4", "search_repeats=3", "surroundings=12",
                             "repeats=3", "final_repeats=5", "folds=0", "draws=100"})
         args.insert(args.end(), {"--set", std::string("calibration.") + set});
     const Outcome run = scree_program(args);
@@ -185,7 +185,7 @@ TEST(Calibrate, FreesEffectsAndSeveralSoilsAtOnce) {
     const json j = json::parse(text_of(folder / "out" / "calibrate.json"));
     const double drag = j.at("calibrated").at("effect.ground_drag.coefficient").get<double>(),
                  restitution = j.at("calibrated").at("soil.*.restitution").get<double>();
-    EXPECT_NE(drag, 0.9);
+    EXPECT_LT(drag, 0.9) << "the field test has none";
     const cli::SiteFile calibrated = cli::read_site_file(folder / "out" / "calibrated.toml", {});
     EXPECT_EQ(calibrated.settings.effects.at(0).effect.value("coefficient"), drag);
     for (const Soil& soil : calibrated.settings.soils) EXPECT_EQ(soil.restitution, restitution);

@@ -158,7 +158,7 @@ TEST(Diagnose, WithoutTheRightNameItIsUnknownAndNoForce) {
 // With several parameters free what is calibrated leaves more over all than what the residuals ask for, a step beyond what was tested.
 TEST(Diagnose, WithoutAnAnswerTheLastStepOfTheParametersIsTaken) {
     const TempDir folder;
-    quarry_field_test_with(folder, "kind = \"forest_drag\"\ncoefficient = 400.0\nheight = 1.0\n", 16);
+    quarry_field_test_with(folder, "kind = \"forest_drag\"\ncoefficient = 400.0\nheight = 1.0\n", 16, 2, 4);
     const fs::path out = folder / "out";
     const Outcome run =
         diagnose(out,
@@ -371,7 +371,7 @@ TEST(Diagnose, AnEffectOfTheMassIsNamedOfItsOwnBlocksOnly) {
 
 TEST(Diagnose, WhatActsInAPlaceIsALayerOfItsOwn) {
     const TempDir folder;
-    quarry_field_test_with(folder, "kind = \"soil_patch\"\nfrom = 20.0\nto = 32.0\nrolling = 0.5\n", 30);
+    quarry_field_test_with(folder, "kind = \"soil_patch\"\nfrom = 20.0\nto = 32.0\nrolling = 0.5\n", 30, 2, 4);
     const fs::path out = folder / "out";
     const Outcome run = diagnose(out, {"--observed", (folder / "field").string(), "--set", "diagnosis.rounds=2",
                                        "--set", "diagnosis.repeats=12", "--set", "calibration.folds=0", "--set",
@@ -449,7 +449,7 @@ TEST(Diagnose, TwoEffectsAreBothNamed) {
 
 TEST(Diagnose, InSpaceItHasMapsOfBeforeAndAfter) {
     const TempDir folder;
-    quarry_field_test_with(folder, "kind = \"rolling_size\"\nexponent = -1.4\n", 10, 3);
+    quarry_field_test_with(folder, "kind = \"rolling_size\"\nexponent = -1.4\n", 10, 3, 4);
     const fs::path out = folder / "out";
     const Outcome run =
         diagnose(out,

@@ -41,6 +41,8 @@ struct CandidateEffect {
     std::vector<EffectVariant> variants;
     /// Where it leaves too much, a second effect is looked for beside it. If not, it is only asked whether it suffices alone.
     bool second_beside = true;
+    /// Its strength is a share of the blocks, up to all of them. That of others has no natural end, and any order of magnitude is as likely as any other.
+    bool share = false;
 };
 
 /// An effect switched on.
