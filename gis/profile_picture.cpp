@@ -10,6 +10,7 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
+#include <vector>
 
 namespace scree::gis {
 
@@ -27,6 +28,28 @@ Box2 fitted(Box2 data, double width, double height, double margin) {
     const double unit = std::max(size.x() / width, size.y() / height);
     const Vec2 half = 0.5 * unit * Vec2(width, height);
     return {middle - half, middle + half};
+}
+
+/// Middle of the widest stretch of the polygon at that height between two limits; where it has none, the middle between these.
+double middle_inside(const Polygon& polygon, double y, double from, double to) {
+    std::vector<double> borders;
+    const auto cut = [&](const Ring& ring) {
+        for (std::size_t k = 0; k < ring.size(); ++k) {
+            const Vec2 &a = ring[k], &b = ring[(k + 1) % ring.size()];
+            if ((a.y() < y) != (b.y() < y)) borders.push_back(a.x() + (y - a.y()) / (b.y() - a.y()) * (b.x() - a.x()));
+        }
+    };
+    cut(polygon.outer);
+    for (const Ring& hole : polygon.holes) cut(hole);
+    std::sort(borders.begin(), borders.end());
+    double middle = 0.5 * (from + to), widest = 0.0;
+    for (std::size_t k = 0; k + 1 < borders.size(); k += 2) {
+        const double left = std::max(borders[k], from), right = std::min(borders[k + 1], to);
+        if (right - left <= widest) continue;
+        widest = right - left;
+        middle = 0.5 * (left + right);
+    }
+    return middle;
 }
 
 class Plan {
@@ -60,7 +83,8 @@ public:
             if (!box.overlaps(panel_.data)) continue;
             // low in what can be seen of it: the profile is likely to pass through the middle
             const Vec2 low = box.min.cwiseMax(panel_.data.min), high = box.max.cwiseMin(panel_.data.max);
-            svg_.text(panel_.at({0.5 * (low.x() + high.x()), low.y() + 0.15 * (high.y() - low.y())}), area.name,
+            const double y = low.y() + 0.15 * (high.y() - low.y());
+            svg_.text(panel_.at({middle_inside(area.polygons.front(), y, low.x(), high.x()), y}), area.name,
                       {.anchor = "middle", .colour = colour, .bold = true, .halo = true});
         }
     }

@@ -13,6 +13,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <regex>
 
 namespace scree::test {
 namespace {
@@ -180,6 +181,31 @@ TEST(ProfilePicture, NamesAreasWhereThereIsRoom) {
     EXPECT_THAT(section, HasSubstr("the first"));
     EXPECT_THAT(section, HasSubstr("the last"));
     EXPECT_THAT(section, Not(HasSubstr("behind"))) << "its place is taken by the one before it";
+}
+
+// In a zone that lies obliquely the middle of its box is outside it.
+TEST(ProfilePicture, NamesOfZonesLieInThem) {
+    const Grid<double> grid = slope(-0.5, 0.0);
+    const std::vector<Vec3> points{{0, 50, 0}, {80, 50, -40}};
+    const std::vector<SoilId> soil{0};
+    const Profile profile = make_profile(points, soil);
+    gis::ProfileScene scene;
+    scene.heights = &grid;
+    scene.soils = {"scree"};
+    scene.profiles = {{"1", "", &profile, {false}, 0.0}};
+    const auto x_of_name = [&](const Polygon& polygon) {
+        scene.deposit_zones = {{"zone", {polygon}}};
+        std::smatch found;
+        const std::string plan = gis::profiles_plan(scene);
+        EXPECT_TRUE(std::regex_search(plan, found, std::regex("<text x=\"([0-9.]+)\"[^>]*>zone<")));
+        return std::stod(found[1]);
+    };
+    const Polygon leaning{{{10, 40}, {20, 40}, {70, 60}, {60, 60}}, {}},
+        there{{{17.5, 40}, {27.5, 40}, {27.5, 60}, {17.5, 60}}, {}},
+        with_a_hole{{{10, 40}, {70, 40}, {70, 60}, {10, 60}}, {{{20, 41}, {60, 41}, {60, 45}, {20, 45}}}},
+        beside_it{{{10, 40}, {20, 40}, {20, 60}, {10, 60}}, {}};
+    EXPECT_NEAR(x_of_name(leaning), x_of_name(there), 0.2);
+    EXPECT_NEAR(x_of_name(with_a_hole), x_of_name(beside_it), 0.2);
 }
 
 TEST(RunPicture, DrawsPanelsOverTheSameChainages) {
