@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "cli/observation_resolver.hpp"
 
+#include "cli/observed_releases.hpp"
 #include "cli/text.hpp"
 #include "scree/base/error.hpp"
 #include "scree/base/units.hpp"
@@ -12,24 +13,10 @@
 #include <numeric>
 #include <set>
 #include <sstream>
+
 namespace scree::cli {
 
 namespace {
-
-constexpr std::size_t kListed = 4;  // offenders that a sentence names [-]
-/// A release point farther from the release layer is perhaps another block's, or in other coordinates [m].
-constexpr double kFarFromRelease = 50.0;
-/// The height of the release, which is above the ground, and cells of the DTM make up for less than this [m].
-constexpr double kRiseAllowed = 10.0;
-
-/// "A, B and 3 more".
-std::string listed(const std::set<std::string>& names) {
-    std::string text;
-    std::size_t count = 0;
-    for (const std::string& name : names)
-        if (++count <= kListed) text += (text.empty() ? "" : ", ") + name;
-    return count > kListed ? text + " and " + std::to_string(count - kListed) + " more" : text;
-}
 
 /// Index of a name, added if it is new.
 std::int32_t index_of(std::vector<std::string>& names, const std::string& name) {
@@ -99,9 +86,7 @@ public:
         add_crossings();
         add_impacts();
         add_shares();
-        add_releases();
-        check_fall();
-        name_paths();
+        place_releases(site_, model_, records_.releases, result_.observations, result_.findings);
         decide_matching();
         decide_thrown();
         sort_pools();
@@ -122,8 +107,8 @@ private:
         if (unknown.empty()) return;
         const std::set<std::string> known(names.begin(), names.end());
         find(Severity::Error, check,
-             "the observations name " + places + " that the site does not have (" + listed(unknown) + "); it has " +
-                 (known.empty() ? "none: add [" + section + "] to the site file" : listed(known)));
+             "the observations name " + places + " that the site does not have (" + listed_few(unknown) + "); it has " +
+                 (known.empty() ? "none: add [" + section + "] to the site file" : listed_few(known)));
     }
 
     void name_places() {
@@ -229,111 +214,8 @@ private:
                  "deposit_zones are not compared, as the stops say in which zone each block is");
         if (!twice.empty())
             find(Severity::Error, "zone_twice",
-                 "deposit_zones have more than one row for " + listed(twice) + ": add them up to one per zone");
+                 "deposit_zones have more than one row for " + listed_few(twice) + ": add them up to one per zone");
         report_unknown("unknown_zone", "deposit zones", "deposit_zones", unknown, result_.op.zones);
-    }
-
-    void add_releases() {
-        if (!s_.release_positions || records_.releases.empty()) return;
-        std::vector<Profile> profiles;
-        for (const ProfileTrack& track : model_.campaign.tracks) profiles.push_back(track.profile);
-        const double farthest = site_.settings.profile_release_distance;
-        std::set<std::string> off, beside, seen, twice, unmeasured, far;
-        for (const gis::ReleaseRecord& r : records_.releases) {
-            if (!r.body.id.empty() && !seen.insert(r.body.id).second) twice.insert(r.body.id);
-            const auto at = index_.find(r.body.id);
-            if (at == index_.end()) unmeasured.insert(r.body.id);
-            if (at == index_.end() || !std::isfinite(r.position.x())) continue;
-            ObservedBlock& block = result_.observations.blocks[static_cast<std::size_t>(at->second)];
-            const Vec2 place = r.position.head<2>();
-            if (model_.terrain.surface->facet_at(place) < 0) {
-                off.insert(r.body.id);
-            } else if (!model_.in_plane()) {
-                block.release = place;
-                if (distance_to_release(place) > kFarFromRelease) far.insert(r.body.id);
-            } else if (const auto foot = ProfileRelease::foot(place, profiles, farthest)) {
-                block.release = place;  // the third dimension knows as much of it
-                block.profile = static_cast<std::int32_t>(foot->profile);
-                block.s = foot->s;
-            } else {
-                beside.insert(r.body.id);
-            }
-        }
-        if (!off.empty())
-            find(Severity::Error, "release_off_terrain",
-                 std::to_string(off.size()) + " release points lie off the DTM or over a hole in it (" + listed(off) +
-                     "): check coordinates and CRS");
-        if (!twice.empty())
-            find(Severity::Error, "release_twice",
-                 "release_points have more than one row for " + listed(twice) + ": one for each block");
-        if (!unmeasured.empty())
-            find(Severity::Warning, "release_unmeasured",
-                 std::to_string(unmeasured.size()) +
-                     " release points are of blocks that nothing else was measured of (" + listed(unmeasured) +
-                     "), and are not used: block_id must be that of the stops and crossings");
-        if (!far.empty())
-            find(Severity::Warning, "release_far",
-                 std::to_string(far.size()) + " release points lie more than " + short_number(kFarFromRelease) +
-                     " m from the release layer (" + listed(far) +
-                     "): these blocks start there all the same; check block_id and coordinates");
-        if (!beside.empty()) {
-            std::ostringstream text;
-            text << beside.size() << " release points lie more than " << farthest << " m from every profile ("
-                 << listed(beside)
-                 << "): these blocks start anywhere in the release area along the profile; "
-                    "profile.release_distance is that distance";
-            find(Severity::Warning, "release_beside_profile", text.str());
-        }
-    }
-
-    /// No block ends higher than it began.
-    void check_fall() {
-        const Surface& surface = *model_.terrain.surface;
-        std::set<std::string> uphill;
-        for (const ObservedStop& stop : result_.observations.stops) {
-            if (stop.block < 0 || !std::isfinite(stop.position.x())) continue;
-            const ObservedBlock& block = result_.observations.blocks[static_cast<std::size_t>(stop.block)];
-            if (!std::isfinite(block.release.x())) continue;
-            const double rise = surface.height(stop.position.head<2>()) - surface.height(block.release);
-            if (rise > std::max(stop.error, 0.0) + kRiseAllowed) uphill.insert(block.id);
-        }
-        if (!uphill.empty())
-            find(Severity::Warning, "stop_above_release",
-                 std::to_string(uphill.size()) + " blocks stopped higher than where they were let go (" +
-                     listed(uphill) + "), which no block does: check block_id and coordinates of stops and releases");
-    }
-
-    double distance_to_release(const Vec2& place) const {
-        double least = kInfinity;
-        for (const Feature& feature : model_.release.layer.features)
-            least = std::min(least, plan_distance(place, feature.geometry));
-        return least;
-    }
-
-    /// Number of the profile on which a block was let go, or in 3D of the feature of the release layer; -1: unknown.
-    std::int64_t path_of(const ObservedBlock& block) const {
-        if (model_.in_plane()) return block.profile < 0 ? -1 : block.profile + 1;
-        if (!std::isfinite(block.release.x())) return -1;
-        std::int64_t nearest = -1;
-        double least = kInfinity;
-        for (const Feature& feature : model_.release.layer.features) {
-            const double distance = plan_distance(block.release, feature.geometry);
-            if (distance >= least) continue;
-            least = distance;
-            nearest = feature.id;
-        }
-        return nearest;
-    }
-
-    void name_paths() {
-        Observations& o = result_.observations;
-        std::map<std::int64_t, std::vector<ObservedBlock*>> paths;  // by their numbers
-        for (ObservedBlock& block : o.blocks)
-            if (const std::int64_t number = path_of(block); number >= 0) paths[number].push_back(&block);
-        for (const auto& [number, blocks] : paths) {
-            for (ObservedBlock* const block : blocks) block->path = static_cast<std::int32_t>(o.paths.size());
-            o.paths.push_back((model_.in_plane() ? "profile " : "release feature ") + std::to_string(number));
-        }
     }
 
     void decide_matching() {
@@ -379,17 +261,17 @@ private:
                  "L2_m, L3_m: they are compared as a "
                  "pool with the site's own population");
         } else if (!without.empty()) {
-            find(
-                Severity::Error, "blocks_unknown",
-                std::to_string(without.size()) + " of " + std::to_string(o.blocks.size()) + " measured blocks (" +
-                    listed(without) +
-                    ") have no mass_kg, L1_m, L2_m, L3_m, neither in the observations nor in the block list" +
-                    (no_stop.empty() || o.stops.empty()
-                         ? ""
-                         : ", and " + listed(no_stop) + " crossed a screen but stopped nowhere: a mistaken block_id?") +
-                    ": complete "
-                    "them, or compare pools with "
-                    "--set observed.matched=false");
+            find(Severity::Error, "blocks_unknown",
+                 std::to_string(without.size()) + " of " + std::to_string(o.blocks.size()) + " measured blocks (" +
+                     listed_few(without) +
+                     ") have no mass_kg, L1_m, L2_m, L3_m, neither in the observations nor in the block list" +
+                     (no_stop.empty() || o.stops.empty()
+                          ? ""
+                          : ", and " + listed_few(no_stop) +
+                                " crossed a screen but stopped nowhere: a mistaken block_id?") +
+                     ": complete "
+                     "them, or compare pools with "
+                     "--set observed.matched=false");
         } else {
             o.matched = true;
             if (s_.thrown > 0 && s_.thrown != blocks)
@@ -419,7 +301,7 @@ private:
         }
         if (!mixed.empty())
             find(Severity::Error, "ids_incomplete",
-                 "some crossings of " + listed(mixed) +
+                 "some crossings of " + listed_few(mixed) +
                      " have a block_id and some have none: complete them, or leave the column out");
     }
 

@@ -66,4 +66,13 @@ std::string listed(const std::vector<std::string>& names) {
     return text;
 }
 
+std::string listed_few(const std::set<std::string>& names) {
+    constexpr std::size_t kListed = 4;
+    std::string text;
+    std::size_t count = 0;
+    for (const std::string& name : names)
+        if (++count <= kListed) text += (text.empty() ? "" : ", ") + name;
+    return count > kListed ? text + " and " + std::to_string(count - kListed) + " more" : text;
+}
+
 }  // namespace scree::cli

@@ -4,6 +4,7 @@
 #include "scree/inference/discrepancy.hpp"
 
 #include <cstdint>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -35,5 +36,7 @@ std::string shell_word(const std::string& text);
 
 /// "A, B, C".
 std::string listed(const std::vector<std::string>& names);
+/// "A, B, C, D and 3 more".
+std::string listed_few(const std::set<std::string>& names);
 
 }  // namespace scree::cli

@@ -69,6 +69,8 @@ double least_chi_squared(double freedom) {
 }
 /// Fewer values may lie together by chance [-].
 constexpr std::size_t kLeastScattered = 5;
+/// The height of a release above the ground, and cells of the DTM, make up for less than this [m].
+constexpr double kStartAboveGround = 10.0;
 
 constexpr std::array<const char*, kKinematics> kErrorFields{"speed_error_ms", "height_error_m", "spin_error_rads",
                                                             "energy_error_kj", "rise_error_ms"};
@@ -81,6 +83,7 @@ public:
 
     std::vector<Finding> run() {
         stops_on_terrain();
+        stops_below_starts();
         datum_offset();
         speeds();
         rises();
@@ -116,6 +119,25 @@ private:
                  words(off.counted("stop lies", "stops lie"), " off the DTM or over a hole in it (", off.text(),
                        "): no simulated block can rest there; check coordinates and CRS, enlarge the DTM, or mark them "
                        "as censored"));
+    }
+
+    /// No block ends higher than it began: where it was let go, or where the highest block can be.
+    void stops_below_starts() {
+        Names above;
+        for (const ObservedStop& s : o_.stops) {
+            double start = site_.highest_start;
+            if (s.block >= 0) {
+                const Vec2& release = o_.blocks[static_cast<std::size_t>(s.block)].release;
+                if (release.allFinite()) start = site_.surface->height(release) + kStartAboveGround;
+            }
+            if (site_.surface->height(s.position.head<2>()) > start + std::max(0.0, s.error))
+                above.add(name(s.block, s.row));
+        }
+        if (above.count() > 0)
+            find(Severity::Warning, "stop_above_start",
+                 words(above.counted("block stopped", "blocks stopped"),
+                       " higher than where it was let go or the site lets any go (", above.text(),
+                       "), which no block does: check block_id and coordinates of stops and releases"));
     }
 
     void datum_offset() {

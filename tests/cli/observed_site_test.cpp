@@ -178,7 +178,7 @@ TEST(ObservedSite, ReleasePointsAreJudged) {
         test::put(folder / "obs" / "release_points.csv", "block_id,easting_m,northing_m\n" + of_releases);
         std::vector<std::string> checks;
         for (const Finding& f : load_observed(site, model, (folder / "obs").string()).findings)
-            if (std::string(f.check).find("release") != std::string::npos)
+            if (std::regex_search(f.check, std::regex("release|start")))
                 checks.push_back((f.severity == Severity::Error ? "error " : "warning ") + std::string(f.check));
         return checks;
     };
@@ -191,7 +191,7 @@ TEST(ObservedSite, ReleasePointsAreJudged) {
                                           [](const auto& a, const auto& b) { return a.at.x() < b.at.x(); });
     EXPECT_THAT(found(row("A", lowest), row("A", lowest)), ElementsAre("warning release_far"));
     EXPECT_THAT(found(row("A", releases[0]), row("A", lowest)),
-                ElementsAre("warning release_far", "warning stop_above_release"));
+                ElementsAre("warning release_far", "warning stop_above_start"));
 }
 
 // Blocks go down the path that begins where they were let go: a feature of the release layer, or in 2D a profile.

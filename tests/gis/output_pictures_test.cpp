@@ -163,15 +163,21 @@ TEST(ProfilePicture, SaysWhatItShows) {
     EXPECT_THAT(plan, Not(HasSubstr("Chainage")));
 }
 
-TEST(ProfilePicture, NamesAreasWhereThereIsRoom) {
+/// A profile straight down a slope, without anything beside it.
+struct OneProfile {
     const Grid<double> grid = slope(-0.5, 0.0);
-    const std::vector<Vec3> points{{0, 50, 0}, {80, 50, -40}};
-    const std::vector<SoilId> soil{0};
-    const Profile profile = make_profile(points, soil);
+    const Profile profile = make_profile(std::vector<Vec3>{{0, 50, 0}, {80, 50, -40}}, std::vector<SoilId>{0});
     gis::ProfileScene scene;
-    scene.heights = &grid;
-    scene.soils = {"scree"};
-    scene.profiles = {{"1", "", &profile, {false}, 0.0}};
+    OneProfile() {
+        scene.heights = &grid;
+        scene.soils = {"scree"};
+        scene.profiles = {{"1", "", &profile, {false}, 0.0}};
+    }
+};
+
+TEST(ProfilePicture, NamesAreasWhereThereIsRoom) {
+    OneProfile one;
+    gis::ProfileScene& scene = one.scene;
     auto zone = [](const char* name, double from) {
         return gis::DrawnArea{name, {Polygon{{{from, 40}, {from + 1.0, 40}, {from + 1.0, 60}, {from, 60}}, {}}}};
     };
@@ -185,14 +191,8 @@ TEST(ProfilePicture, NamesAreasWhereThereIsRoom) {
 
 // In a zone that lies obliquely the middle of its box is outside it.
 TEST(ProfilePicture, NamesOfZonesLieInThem) {
-    const Grid<double> grid = slope(-0.5, 0.0);
-    const std::vector<Vec3> points{{0, 50, 0}, {80, 50, -40}};
-    const std::vector<SoilId> soil{0};
-    const Profile profile = make_profile(points, soil);
-    gis::ProfileScene scene;
-    scene.heights = &grid;
-    scene.soils = {"scree"};
-    scene.profiles = {{"1", "", &profile, {false}, 0.0}};
+    OneProfile one;
+    gis::ProfileScene& scene = one.scene;
     const auto x_of_name = [&](const Polygon& polygon) {
         scene.deposit_zones = {{"zone", {polygon}}};
         std::smatch found;

@@ -85,6 +85,18 @@ const Plant kPlants[] = {
          t.o.stops[4].position = {30, 30, kNaN};
      },
      "stops_off_terrain", Severity::Error, "1 stop lies off"},
+    {"StopAboveAllStarts",
+     [](GoodTest& t) {
+         t.o.stops[2].position = {-36, 0, kNaN};
+         t.o.crossings.erase(t.o.crossings.begin() + 2);
+     },
+     "stop_above_start", Severity::Warning,
+     "1 block stopped higher than where it was let go or the site lets any go (B2)"},
+    {"StopAboveItsRelease",
+     [](GoodTest& t) {
+         t.o.blocks[2].release = {38, 0};
+     },
+     "stop_above_start", Severity::Warning, "(B2)"},
     {"HeightsOfAnotherDatum",
      [](GoodTest& t) {
          for (auto& s : t.o.stops) s.position.z() += 2.8;

@@ -40,7 +40,7 @@ inline constexpr double kImpossibleBox[2] = {50.0, 10000.0};
 /// Fewer measured blocks than this tell next to nothing [-].
 inline constexpr std::size_t kFewBlocks = 10;
 
-/// Looks for what cannot be: stops off the terrain or over a hole in it, a datum offset between the heights of the stops and the terrain, passages faster
+/// Looks for what cannot be: stops off the terrain or over a hole in it or above where blocks begin, a datum offset between the heights of the stops and the terrain, passages faster
 /// than the fall from the highest start allows (v^2 <= v0^2 + 2 g drop), densities, one block measured twice, blocks that the block list does not
 /// know or knows otherwise, crossings far from their screen, blocks that stopped above a screen that they crossed or were not seen at one that they
 /// came past, shares above one; and for what makes the comparison weaker: no stated errors, stated errors
