@@ -115,6 +115,8 @@ private:
     std::optional<ObservationTable> simulate(const char* stage, const Eigen::VectorXd& parameters,
                                              std::vector<EffectDose> effects, std::int64_t repeats);
     Eigen::VectorXd within_ranges(Eigen::VectorXd parameters) const;
+    /// So many simulations are to come, beside those that were planned and not done.
+    void plan(std::size_t simulations) { planned_ = std::max(planned_, done_) + simulations; }
     /// Simulations that a base takes, and that following one finalist may take.
     std::size_t of_base() const { return 1 + 2 * design_size(problem_.calibrated.size()) + variants_.size(); }
     std::size_t of_finalist() const { return of_survey() * static_cast<std::size_t>(settings_.rounds); }
@@ -228,6 +230,7 @@ private:
     bool pursue(std::vector<Pursuit>& pursuits, double& least);
     bool follow_best(std::vector<Hypothesis> chosen, std::vector<Hypothesis>& followed);
     bool race(Hypothesis& h);
+    bool race_without(Hypothesis without);
     bool decide_close_race(std::vector<Hypothesis>& followed);
     /// For simulations that are many together, or a first look.
     std::int64_t half_repeats() const { return std::max<std::int64_t>(settings_.repeats / 2, 1); }
@@ -279,7 +282,7 @@ private:
     Base base_;
     Eigen::VectorXd deviation_;                ///< of the parameters before the test: of their ranges
     std::vector<Hypothesis> searched_widely_;  ///< ways to act, whatever their place
-    double left_without_ = kInfinity;          ///< by the model without effects, where it was followed best [-]
+    Hypothesis without_;                       ///< the model without effects, where it was followed best, raced
     bool planning_ = false;                    ///< nothing was measured yet
     std::size_t done_ = 0, planned_ = 0;
     std::int64_t simulated_ = 0;

@@ -466,7 +466,7 @@ bool Diagnoser::follow_best(std::vector<Hypothesis> chosen, std::vector<Hypothes
         chosen.insert(chosen.end(), std::make_move_iterator(found.begin()), std::make_move_iterator(found.end()));
     else
         return false;
-    planned_ += chosen.size() * of_survey();
+    plan(chosen.size() * of_survey());
     std::vector<Pursuit> all, pursuits;
     for (Hypothesis& h : chosen) {
         all.push_back(begin(std::move(h)));
@@ -504,6 +504,14 @@ bool Diagnoser::race(Hypothesis& h) {
         const LocalMisfit misfit(s, prior_of(h.fingerprint));
         more = misfit.at(misfit.best(around(s, h.fingerprint, kTrust * s.step))) < h.q - settled_within(h.q);
     }
+    return true;
+}
+
+/// The model without effects is weighed against effects by surveys like theirs: where it leaves less than it is known to, it is raced, too.
+bool Diagnoser::race_without(Hypothesis without) {
+    if (!(without.q < without_.q)) return true;
+    if (!race(without)) return false;
+    if (without.q < without_.q) without_ = std::move(without);
     return true;
 }
 

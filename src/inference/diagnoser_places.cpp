@@ -93,7 +93,7 @@ Stretch part_of(const Stretch& path, std::size_t from, std::size_t to, std::size
 
 /// Of short parts of the path, at strengths at which they would be told.
 std::optional<std::vector<Fingerprint>> Diagnoser::take_parts(std::size_t first_strip, const ScoreResult& score) {
-    planned_ += kParts;
+    plan(kParts);
     std::vector<Fingerprint> parts;
     for (std::size_t k = 0; k < kParts; ++k) {
         const std::size_t strip = first_strip + k / kPartsOfStrip;

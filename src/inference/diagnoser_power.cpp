@@ -176,7 +176,7 @@ bool Diagnoser::find_strengths_seen(Diagnosis& d) {
         }
         std::sort(forms.begin(), forms.end());
         if (substitutes) forms.resize(std::min(forms.size(), kFormsOfOne));
-        planned_ += forms.size() * (substitutes ? 4 + settings_.power_search + of_survey() : 0);
+        plan(forms.size() * (substitutes ? 4 + settings_.power_search + of_survey() : 0));
         for (const auto& [promised, k] : forms) {
             if (!(promised < f.smallest_seen)) break;
             const std::optional<double> seen =

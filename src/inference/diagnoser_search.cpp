@@ -46,7 +46,7 @@ std::optional<double> Diagnoser::left_at(double strength, std::size_t fingerprin
 
 /// Finalists by what they leave at the strength that leaves least: a strong effect may be far from what its fingerprint at the reference strength tells.
 std::optional<std::vector<Hypothesis>> Diagnoser::strong_finalists() {
-    planned_ += 4 * kScanned;
+    plan(4 * kScanned);
     const ScoreResult score = (*base_.test)(base_.observed);
     std::vector<std::size_t> order(variants_.size());
     std::iota(order.begin(), order.end(), std::size_t{0});
@@ -207,7 +207,7 @@ bool Diagnoser::search_in_stages(std::vector<WideSearch>& ways,
                                  const std::function<std::size_t(std::size_t)>& going_on) {
     std::size_t left = ways.size();
     for (const double stage : kStages) {
-        planned_ += 1 + left * trials_in(stage, settings_.wide_search);
+        plan(1 + left * trials_in(stage, settings_.wide_search));
         left = going_on(left);
     }
     if (ways.empty()) return true;

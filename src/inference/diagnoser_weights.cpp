@@ -13,8 +13,6 @@ namespace scree {
 
 namespace {
 
-/// Three standard deviations of the difference between what two surveys leave, of Q [-].
-constexpr double kQNoise = 8.0;
 /// Draws of what finalists may leave [-].
 constexpr int kWeightDraws = 2000;
 
@@ -101,10 +99,8 @@ std::optional<std::size_t> Diagnoser::nearest_fingerprint(const Hypothesis& h, c
     return nearest;
 }
 
-/// Posterior weights of the finalists. Something without a name may have moved the mean residual anywhere, by an unknown multiple of its noise: its likelihood is the
-/// largest over that multiple. The calibrated model is weighed against the best of them by the z of its fingerprint, whose noise is that of one
-/// simulation and not of two, as far as what it leaves itself, followed as effects are, bears that out within the noise of two; and by that alone where
-/// the effect was out of sight.
+/// Posterior weights of the finalists, of chance, which is the model without effects, raced like them, and of something without a name: that may have moved the mean residual anywhere, by an unknown
+/// multiple of its noise, and its likelihood is the largest over that multiple.
 void Diagnoser::weigh(Diagnosis& d, std::vector<Hypothesis>& followed) const {
     std::erase_if(followed, [](const Hypothesis& h) { return !std::isfinite(h.q); });
     std::stable_sort(followed.begin(), followed.end(),
@@ -132,25 +128,13 @@ void Diagnoser::weigh(Diagnosis& d, std::vector<Hypothesis>& followed) const {
         }
         followed.erase(here);
     }
-    // the score test knows no ranges: what parameters make up for in it counts within the noise of surveys, which keep to them
-    const double without = std::isfinite(left_without_) ? left_without_ : d.score.q;
-    double left = std::clamp(d.score.q, without - kQNoise, without);
-    if (!followed.empty()) {
-        const Hypothesis& best = followed.front();
-        const std::optional<std::size_t> seen = best.from_given ? std::nullopt : nearest_fingerprint(best, d.score);
-        if (seen) {
-            const double z = std::max(d.score.z[static_cast<Eigen::Index>(*seen)], 0.0);
-            left = std::clamp(best.q + z * z, without - kQNoise, without + kQNoise);
-        } else {
-            left = std::max(left, best.q);
-        }
-    }
+    const double left = std::isfinite(without_.q) ? without_.q : d.score.q;
     const double log_none = -0.5 * left + std::log(settings_.prior_none);
     const double free =
         std::max(static_cast<double>(d.score.standardised.size()) - static_cast<double>(deviation_.size()), 1.0);
     const double log_unnamed = -0.5 * std::min(left, free * (1.0 + std::log(std::max(left / free, 1.0)))) +
                                std::log((1.0 - settings_.prior_none) * settings_.prior_unnamed);
-    std::vector<double> log_weights{log_none, log_unnamed}, deviations{0.0, 0.0};
+    std::vector<double> log_weights{log_none, log_unnamed}, deviations{0.5 * without_.q_deviation, 0.0};
     for (const Hypothesis& h : followed) {
         double weight = log_weight(h);
         for (const auto& [form, other] : h.other_forms)

@@ -347,7 +347,7 @@ std::vector<Hypothesis> Diagnoser::finalists(const std::vector<EffectFinding>& f
 /// Tests the model at the parameters of a hypothesis without effect, and stays there if chance has more to say for it.
 bool Diagnoser::move_base(Diagnosis& d, const Hypothesis& without) {
     if (without.q > d.score.q - kWorthMoving) return true;
-    planned_ += of_base();
+    plan(of_base());
     Base before;
     std::swap(before, base_);
     base_.parameters = without.parameters;
@@ -366,7 +366,7 @@ bool Diagnoser::move_base(Diagnosis& d, const Hypothesis& without) {
 /// A model that is rejected gets what every effect gets, and more: its parameters are followed to where its own simulations leave least, from where they are, from
 /// those that were given and from the best that a search all over the ranges finds.
 bool Diagnoser::settle_base(Diagnosis& d) {
-    planned_ += 3 * of_finalist();
+    plan(3 * of_finalist());
     std::vector<Hypothesis> starts{{}};
     if (!search_without(starts)) return false;
     if (!problem_.given.empty()) starts.emplace_back().parameters = given_parameters();
@@ -382,37 +382,34 @@ bool Diagnoser::settle_base(Diagnosis& d) {
         Hypothesis h = arrived(std::move(p));
         if (h.q < without.q) without = std::move(h);
     }
-    left_without_ = without.q;
-    return move_base(d, without);
+    return race_without(without) && move_base(d, without);
 }
 
 /// An effect takes the parameters along when it is followed, perhaps out of a valley in which the model without it was stuck: the effect would get the name for what
 /// parameters alone explain. From where it has arrived the model is followed without it.
 bool Diagnoser::return_without(Diagnosis& d, const Hypothesis& with) {
-    planned_ += of_base() + of_finalist();
+    plan(of_base() + of_finalist());
     Base before;
     std::swap(before, base_);
     base_.parameters = with.parameters;
     Hypothesis without;
     if (!build_space(before.space->residuals()) || !differentiate() || !follow(without)) return false;
     std::swap(before, base_);
-    left_without_ = std::min(left_without_, without.q);
-    return move_base(d, without);
+    return race_without(without) && move_base(d, without);
 }
 
 /// Where nothing on the slope that was followed could have produced the measurements: a calibration makes up for what is missing, with parameters at which the missing effect may be out of sight: a rolling resistance that grows with size
 /// does nothing where none is left; or it has settled in the wrong valley. The same look again from the parameters that were given before the calibration.
 bool Diagnoser::follow_from_given(Diagnosis& d, std::vector<Hypothesis>& followed) {
-    planned_ += of_base() + (1 + settings_.finalists) * of_finalist();
+    plan(of_base() + (1 + settings_.finalists) * of_finalist());
     Base calibrated, given;
     std::swap(calibrated, base_);
     base_.parameters = given_parameters();
     Hypothesis without;
     if (!build_space(calibrated.space->residuals()) || !differentiate() || !follow(without)) return false;
-    left_without_ = std::min(left_without_, without.q);
     std::swap(given, base_);
     std::swap(calibrated, base_);
-    if (!move_base(d, without)) return false;
+    if (!race_without(without) || !move_base(d, without)) return false;
     if (!rejected(d)) return true;
     std::swap(given, base_);
     if (!take_fingerprints()) return false;

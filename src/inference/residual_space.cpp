@@ -96,6 +96,7 @@ ResidualSpace::ResidualSpace(ObservationTable reference, const ObservationTable&
     const std::int32_t last =
         reference_.block.empty() ? -1 : *std::max_element(reference_.block.begin(), reference_.block.end());
     sorted_.resize(reference_.columns.size());
+    pooled_.resize(reference_.columns.size());
     sums_.resize(reference_.columns.size());
     for (std::size_t k = 0; k < sorted_.size(); ++k) {
         sorted_[k].resize(static_cast<std::size_t>(last + 2));
@@ -103,7 +104,9 @@ ResidualSpace::ResidualSpace(ObservationTable reference, const ObservationTable&
             const double v = reference_.values[k][row];
             if (!std::isfinite(v)) continue;
             sorted_[k][stratum(reference_.block[row])].push_back(v);
+            pooled_[k].push_back(v);
         }
+        std::sort(pooled_[k].begin(), pooled_[k].end());
         for (auto& values : sorted_[k]) std::sort(values.begin(), values.end());
         for (const auto& values : sorted_[k]) sums_[k].push_back(std::accumulate(values.begin(), values.end(), 0.0));
     }
@@ -252,14 +255,15 @@ double ResidualSpace::mass_of(std::int32_t block) const {
     return std::isfinite(m) ? m : 0.0;
 }
 
-/// sqrt(12) (u - 1/2); a row of the reference counts among the others of its block only.
+/// sqrt(12) (u - 1/2); a row of the reference counts among the others only.
 double ResidualSpace::level(const ObservationTable& table, std::size_t row, std::size_t column, bool own) const {
     const double v = table.values[column][row];
     if (!std::isfinite(v)) return kNaN;
     const std::size_t s = stratum(table.block[row]);
     if (s >= sorted_[column].size()) return kNaN;
-    const std::vector<double>& members = sorted_[column][s];
-    if (members.size() < kLeastMembers + (own ? 1 : 0)) return kNaN;
+    const bool few = sorted_[column][s].size() <= kLeastMembers;  // for rows of the reference and others alike
+    const std::vector<double>& members = few ? pooled_[column] : sorted_[column][s];
+    if (few && members.size() <= kLeastPooled) return kNaN;
     const auto [first, last] = std::equal_range(members.begin(), members.end(), v);
     const double below = static_cast<double>(first - members.begin());
     const double equal = static_cast<double>(last - first) - (own ? 1.0 : 0.0);

@@ -122,6 +122,50 @@ TEST(ResidualSpace, AnInnovationIsNewsSinceTheScreenBefore) {
     EXPECT_GT(mean_of(slowed, ResidualKind::Level, second), -2.0 * chance) << "among all speeds little";
 }
 
+// A model that lets hardly any block pass has a few passing repeats of each, and many of all together.
+TEST(ResidualSpace, BlocksThatHardlyEverPassAreComparedWithAllThatPassed) {
+    constexpr std::size_t kBlocks = 400;
+    std::vector<ObservedBlock> blocks(kBlocks);
+    for (std::size_t k = 0; k < kBlocks; ++k) {
+        blocks[k].mass = 500.0 + 5.0 * static_cast<double>(k);
+        blocks[k].size = {1.0, 1.0, 1.0};
+    }
+    const Column speed{Quantity::Speed, 0};
+    const auto thrown = [&](double share, double faster, std::uint64_t seed, std::size_t repeats) {
+        ObservationTable t{{{Quantity::Passed, 0}, speed}, {{}, {}}, {}};
+        RandomStream random(seed, 1, RandomPurpose::Effect);
+        for (std::size_t k = 0; k < repeats * kBlocks; ++k) {
+            const bool passed = random.uniform() < share;
+            t.block.push_back(static_cast<std::int32_t>(k % kBlocks));
+            t.values[0].push_back(passed ? 1.0 : 0.0);
+            t.values[1].push_back(passed ? 10.0 + faster + random.normal() : kNaN);
+        }
+        return t;
+    };
+    const ObservationTable measured = thrown(0.3, 1.0, 2, 1);
+    const ResidualSpace space(thrown(0.04, 0.0, 1, 50), measured, blocks, {});
+    const auto level = std::find_if(space.residuals().begin(), space.residuals().end(), [&](const Residual& r) {
+        return r.kind == ResidualKind::Level && r.column == speed;
+    });
+    ASSERT_NE(level, space.residuals().end()) << "no speeds in the diagnosis";
+    const auto column = static_cast<Eigen::Index>(level - space.residuals().begin());
+    const auto mean_of = [&](const ResidualRows& rows, std::ptrdiff_t& count) {
+        const auto values = rows.col(column).array();
+        count = values.isFinite().count();
+        return values.isFinite().select(values, 0.0).sum() / static_cast<double>(count);
+    };
+    std::ptrdiff_t count = 0;
+    EXPECT_NEAR(mean_of(space.of_reference(), count), 0.0, 1e-12);
+    EXPECT_EQ(count, std::count(space.reference().values[0].begin(), space.reference().values[0].end(), 1.0));
+    const double fast = mean_of(space.of(measured), count);
+    EXPECT_EQ(count, std::count(measured.values[0].begin(), measured.values[0].end(), 1.0));
+    EXPECT_GT(fast, 0.7) << "sqrt(12) (0.76 - 1/2) = 0.90 is expected of speeds one standard deviation higher";
+    const double like = mean_of(space.of(thrown(0.04, 0.0, 3, 20)), count);
+    EXPECT_LT(std::abs(like), 3.0 / std::sqrt(static_cast<double>(count))) << "nothing where the model is right";
+    const ResidualSpace too_few(thrown(0.004, 0.0, 1, 50), measured, blocks, {});
+    for (const Residual& r : too_few.residuals()) EXPECT_EQ(r.kind, ResidualKind::Passed);
+}
+
 // All blocks meet an impact with nearly the same speed: a camera that errs more than it says is seen there.
 TEST(ResidualSpace, AnImpactShowsTheSpreadOfItsSpeeds) {
     const Column start{Quantity::Speed, 0}, end{Quantity::Speed, 1};  // no share that passes: of an impact

@@ -17,6 +17,7 @@ namespace scree {
 ///
 /// The reference simulates every known block many times (or, where blocks are unknown, one pool). A value becomes its probability integral transform
 /// among the repeats of its own block, u in [0, 1) (distance.hpp), and that a standardised level sqrt(12) (u - 1/2) and spread sqrt(180) ((u - 1/2)^2 - 1/12).
+/// Of a block that hardly ever gets there it is that among the repeats of all blocks: the rows of the reference are ranked alike, and the mean stays zero.
 
 enum class ResidualKind {
     Passed,  ///< passed the screen, or stopped in the deposit zone: 0 or 1 less the share of the block's repeats that did
@@ -51,12 +52,12 @@ using ResidualRows = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen
 
 class ResidualSpace {
 public:
-    /// `reference` holds the rows of a simulation, with the same columns as `measured`, screens in their order along the path; blocks with fewer than kLeastMembers simulated values of a
-    /// column say nothing about it. `blocks` are those of the test (empty if unknown).
+    /// `reference` holds the rows of a simulation, with the same columns as `measured`, screens in their order along the path; a block with no more than kLeastMembers simulated values of a
+    /// column is compared with all of them, or with none where these are no more than kLeastPooled. `blocks` are those of the test (empty if unknown).
     /// `residuals` of another space are taken as they are, where there are any.
     ResidualSpace(ObservationTable reference, const ObservationTable& measured, std::span<const ObservedBlock> blocks,
                   const ResidualSettings& settings, std::span<const Residual> residuals = {});
-    static constexpr std::size_t kLeastMembers = 5;
+    static constexpr std::size_t kLeastMembers = 5, kLeastPooled = 100;
 
     /// Residuals that at least kLeastRows measured rows have something to say about.
     const std::vector<Residual>& residuals() const { return residuals_; }
@@ -99,6 +100,7 @@ private:
     ResidualSettings settings_;
     bool known_;                                            ///< which records are of one block
     std::vector<std::vector<std::vector<double>>> sorted_;  ///< per column and stratum, ascending [*]
+    std::vector<std::vector<double>> pooled_;               ///< per column, of all strata, ascending [*]
     std::vector<std::vector<double>> sums_;             ///< their sums: of who passed, or is in a zone, how many [*]
     std::vector<double> log_mass_, log_shape_, order_;  ///< per block of the test, standardised [-]
     std::vector<ByState> states_;
