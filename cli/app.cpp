@@ -2,6 +2,7 @@
 #include "cli/app.hpp"
 
 #include "cli/commands.hpp"
+#include "cli/text.hpp"
 
 #include <CLI/CLI.hpp>
 
@@ -167,6 +168,24 @@ void add_options(CLI::App& sub, const Command& command, Context& context) {
             ->check(CLI::IsMember({"markdown", "toml"}));
 }
 
+/// Of a command: what was said of an option that it does not have, with the nearest one that it has; nothing if none was given.
+std::string unknown_option(const CLI::App& sub, const std::vector<std::string>& args) {
+    for (const std::string& arg : args) {
+        const std::string name = arg.substr(0, arg.find('='));
+        if (!name.starts_with("--") || name == "--" || sub.get_option_no_throw(name)) continue;
+        std::string best;
+        std::size_t distance = 3;
+        for (const CLI::Option* option : sub.get_options())
+            for (const std::string& known : option->get_lnames())
+                if (const std::size_t d = edit_distance("--" + known, name); d < distance) {
+                    distance = d;
+                    best = known;
+                }
+        return "there is no option " + name + (best.empty() ? "" : " (did you mean --" + best + "?)");
+    }
+    return {};
+}
+
 ExitCode dispatch(const std::vector<std::string>& args, Context& context) {
     CLI::App app{
         "Scree predicts where falling rocks go: rigid blocks of real shape on a georeferenced terrain, results for a "
@@ -192,6 +211,9 @@ ExitCode dispatch(const std::vector<std::string>& args, Context& context) {
             said = "no command is given";
         else if (!command && !args.front().starts_with("-"))
             said = "there is no command " + args.front();
+        if (const std::string unknown = command ? unknown_option(*app.get_subcommand(args.front()), args) : "";
+            !unknown.empty())
+            said = unknown;
         *context.err << "error: " << said << "; see scree " << (command ? std::string(command->name) + " " : "")
                      << "--help\n";
         return ExitCode::Usage;

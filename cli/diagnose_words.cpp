@@ -209,16 +209,26 @@ std::string answer_names(const std::vector<AnswerFit>& answers) {
     return text;
 }
 
+/// "coefficient 200 kg/s": of an effect that is no answer, as it was followed; nothing of the third dimension.
+std::string as_followed(const DiagnosisVariant& v, const EffectFinding& f) {
+    if (v.space) return "";
+    return v.parameter + " " + with_unit(v.value(f.strength), v.unit());
+}
+
 /// Effects that could have produced the measurements, none of them by far the likeliest; empty if what comes nearest could not, and nothing else is worth a word.
 std::string rivals(const DiagnoseStudy& study) {
     const Diagnosis& d = study.diagnosis;
     if (d.findings.empty() || !d.findings.front().finalist) return "";
     std::string text;
     std::size_t count = 0;
-    for (const EffectFinding& f : d.findings)  // by weight
-        if (f.finalist && f.p > study.settings.rejected && f.weight >= kWorthSaying &&
-            ++count <= study.settings.largest_group)
-            text += variant_name(study.variant_of(f)) + " (weight " + weight_text(f.weight) + "), ";
+    for (const EffectFinding& f : d.findings) {  // by weight
+        if (!f.finalist || f.p <= study.settings.rejected || f.weight < kWorthSaying ||
+            ++count > study.settings.largest_group)
+            continue;
+        const DiagnosisVariant v = study.variant_of(f);
+        const std::string how = as_followed(v, f);
+        text += variant_name(v) + " (" + how + (how.empty() ? "" : ", ") + "weight " + weight_text(f.weight) + "), ";
+    }
     if (count == 0 && d.findings.front().p <= study.settings.rejected) return "";
     return text + "something without a name (" + weight_text(d.weight_unnamed) + "), or chance (" +
            weight_text(d.weight_none) + ")";
@@ -229,8 +239,10 @@ std::string nearest(const DiagnoseStudy& study) {
     const std::vector<EffectFinding>& findings = study.diagnosis.findings;
     if (findings.empty() || !findings.front().finalist || findings.front().p > study.settings.rejected) return "";
     const EffectFinding& f = findings.front();
-    return "; " + variant_name(study.variant_of(f)) + " comes nearest, but only " + short_number(100.0 * f.p) +
-           " % of its own simulations look as far off";
+    const DiagnosisVariant v = study.variant_of(f);
+    const std::string how = as_followed(v, f);
+    return "; " + variant_name(v) + (how.empty() ? "" : " (" + how + ")") + " comes nearest, but only " +
+           short_number(100.0 * f.p) + " % of its own simulations look as far off";
 }
 
 std::string unknown_sentence(const DiagnoseStudy& study) {

@@ -2,6 +2,7 @@
 #include "cli/free_keys.hpp"
 
 #include "cli/settings.hpp"
+#include "cli/text.hpp"
 #include "scree/base/error.hpp"
 
 #include <algorithm>
@@ -61,6 +62,17 @@ bool find_key(const SiteFile& site, const std::string& name, KnownKey& found) {
     return !found.values.empty();
 }
 
+/// What a name could have meant: "; soils are soil.NAME.key, with the names rock and scree".
+std::string there_are(const SiteFile& site, const std::string& name) {
+    const bool effect = name.starts_with("effect.");
+    if (!effect && !name.starts_with("soil.")) return {};
+    std::vector<std::string> names = effect ? names_of(site.settings.effects) : names_of(site.settings.soils);
+    if (names.empty()) return "; this site has no [[effect]]";
+    std::sort(names.begin(), names.end());
+    names.erase(std::unique(names.begin(), names.end()), names.end());
+    return std::string("; write ") + (effect ? "effect" : "soil") + ".NAME.key, where NAME is one of " + listed(names);
+}
+
 std::string trimmed(const std::string& text) {
     const auto first = text.find_first_not_of(" \t"), last = text.find_last_not_of(" \t");
     return first == std::string::npos ? std::string() : text.substr(first, last - first + 1);
@@ -102,8 +114,9 @@ public:
         KnownKey key;
         if (!find_key(site_, name, key))
             refuse(
-                "names no key of this site that can be freed (scree settings lists all; soils are soil.NAME.key; berms "
-                "and effects on measurements cannot be calibrated)");
+                "names no key of this site that can be freed (scree settings lists all; berms and effects on "
+                "measurements cannot be calibrated)" +
+                there_are(site_, name));
         const bool may = std::find(kFreeSections.begin(), kFreeSections.end(), section) != kFreeSections.end();
         const bool number = key.allowed.starts_with("a number") || key.allowed.starts_with("a whole number");
         const bool choice = key.allowed.starts_with("\"") || key.allowed == "true or false";

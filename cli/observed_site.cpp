@@ -109,7 +109,7 @@ ObservedSite load_observed(const SiteFile& site, const SiteModel& model, const s
     audit.highest_start = highest_start(model, observed.observations);
     audit.start_speed = start_speed(model, observed.observations);
     audit.gravity = model.campaign.dynamics.gravity;
-    audit.map_height = model.terrain.data.frame.height;
+    audit.frame = model.terrain.data.frame;
     for (Finding& f : audit_observations(observed.observations, observed.op, audit))
         observed.findings.push_back(std::move(f));
     std::stable_sort(observed.findings.begin(), observed.findings.end(),

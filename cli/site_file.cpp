@@ -2,6 +2,7 @@
 #include "cli/site_file.hpp"
 
 #include "cli/settings.hpp"
+#include "cli/text.hpp"
 #include "scree/base/error.hpp"
 #include "scree/base/units.hpp"
 
@@ -52,22 +53,6 @@ toml::table parse(const std::string& text, const std::string& name) {
                 << ": not valid TOML (UTF-8): " << e.description();
         throw InputError(message.str());
     }
-}
-
-/// Edits by insertion, deletion and exchange between two words: how far a misspelt key is from a known one.
-std::size_t edit_distance(const std::string& a, const std::string& b) {
-    std::vector<std::size_t> row(b.size() + 1);
-    for (std::size_t j = 0; j <= b.size(); ++j) row[j] = j;
-    for (std::size_t i = 1; i <= a.size(); ++i) {
-        std::size_t diagonal = row[0];
-        row[0] = i;
-        for (std::size_t j = 1; j <= b.size(); ++j) {
-            const std::size_t exchanged = diagonal + (a[i - 1] == b[j - 1] ? 0 : 1);
-            diagonal = row[j];
-            row[j] = std::min({row[j] + 1, row[j - 1] + 1, exchanged});
-        }
-    }
-    return row[b.size()];
 }
 
 [[noreturn]] void unknown_section(const std::string& where, const std::string& name) {

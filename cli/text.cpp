@@ -17,8 +17,14 @@ std::string csv_cell(const std::string& text) {
 }
 
 std::string short_number(double value) {
+    constexpr double kPlain = 1e7;  // up to here without a power of ten
     std::ostringstream s;
-    s << std::setprecision(3) << value;
+    if (std::abs(value) >= 999.5 && std::abs(value) < kPlain) {
+        const double unit = std::pow(10.0, std::floor(std::log10(std::abs(value))) - 2.0);
+        s << std::fixed << std::setprecision(0) << std::round(value / unit) * unit;
+    } else {
+        s << std::setprecision(3) << value;
+    }
     return s.str();
 }
 
@@ -73,6 +79,21 @@ std::string listed_few(const std::set<std::string>& names) {
     for (const std::string& name : names)
         if (++count <= kListed) text += (text.empty() ? "" : ", ") + name;
     return count > kListed ? text + " and " + std::to_string(count - kListed) + " more" : text;
+}
+
+std::size_t edit_distance(const std::string& a, const std::string& b) {
+    std::vector<std::size_t> row(b.size() + 1);
+    for (std::size_t j = 0; j <= b.size(); ++j) row[j] = j;
+    for (std::size_t i = 1; i <= a.size(); ++i) {
+        std::size_t diagonal = row[0];
+        row[0] = i;
+        for (std::size_t j = 1; j <= b.size(); ++j) {
+            const std::size_t exchanged = diagonal + (a[i - 1] == b[j - 1] ? 0 : 1);
+            diagonal = row[j];
+            row[j] = std::min({row[j] + 1, row[j - 1] + 1, exchanged});
+        }
+    }
+    return row[b.size()];
 }
 
 }  // namespace scree::cli

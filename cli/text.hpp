@@ -12,7 +12,7 @@ namespace scree::cli {
 
 /// Numbers and columns as all reports write them.
 
-/// Three significant digits.
+/// Three significant digits: "0.0123", "1240".
 std::string short_number(double value);
 
 /// A text as a cell of a table with commas between its cells, quoted.
@@ -38,5 +38,8 @@ std::string shell_word(const std::string& text);
 std::string listed(const std::vector<std::string>& names);
 /// "A, B, C, D and 3 more".
 std::string listed_few(const std::set<std::string>& names);
+
+/// Edits by insertion, deletion and exchange between two words: how far a misspelt one is from a known one.
+std::size_t edit_distance(const std::string& a, const std::string& b);
 
 }  // namespace scree::cli

@@ -93,7 +93,8 @@ std::vector<std::string> text_field(const VectorData& data, const std::string& f
     for (const Feature& feature : data.layer.features) {
         const FieldValue& value = feature.values[index];
         const auto* text = std::get_if<std::string>(&value);
-        if (std::holds_alternative<std::monostate>(value) || (text && text->empty())) wrong.add(feature.id, "no value");
+        const bool blank = text && text->find_first_not_of(" \t\r\n") == std::string::npos;
+        if (std::holds_alternative<std::monostate>(value) || blank) wrong.add(feature.id, "no value");
         texts.push_back(text ? *text : shown(value));
     }
     if (!wrong.empty())

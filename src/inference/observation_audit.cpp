@@ -110,15 +110,21 @@ private:
 
     void stops_on_terrain() {
         Names off;
+        bool exchanged = true;  // easting and northing, in all of them
         for (const ObservedStop& s : o_.stops) {
             if (!std::isfinite(s.position.x()) || s.censored) continue;
-            if (site_.surface->facet_at(s.position.head<2>()) < 0) off.add(name(s.block, s.row));
+            if (site_.surface->facet_at(s.position.head<2>()) >= 0) continue;
+            off.add(name(s.block, s.row));
+            MapPoint map = site_.frame.to_map(s.position);
+            std::swap(map.easting, map.northing);
+            exchanged = exchanged && site_.surface->facet_at(site_.frame.to_local(map).head<2>()) >= 0;
         }
         if (off.count() > 0)
             find(Severity::Error, "stops_off_terrain",
                  words(off.counted("stop lies", "stops lie"), " off the DTM or over a hole in it (", off.text(),
-                       "): no simulated block can rest there; check coordinates and CRS, enlarge the DTM, or mark them "
-                       "as censored"));
+                       "): no simulated block can rest there; ",
+                       exchanged ? "with easting and northing exchanged they would lie on it: exchange the columns"
+                                 : "check coordinates and CRS, enlarge the DTM, or mark them as censored"));
     }
 
     /// No block ends higher than it began: where it was let go, or where the highest block can be.
@@ -205,7 +211,7 @@ private:
         }
         const std::string worst_text = words(
             "the largest is ", fixed(worst, 1), " m/s at ", worst_screen, ", where a fall from the highest start at ",
-            fixed(site_.highest_start + site_.map_height, 1), " m gives ", fixed(allowed, 1), " m/s");
+            fixed(site_.highest_start + site_.frame.height, 1), " m gives ", fixed(allowed, 1), " m/s");
         if (impossible.count() > 0)
             find(Severity::Error, "speed_above_fall",
                  words(impossible.counted("speed is", "speeds are"), " above what the drop allows (", impossible.text(),

@@ -202,6 +202,9 @@ TEST(Calibrate, RefusesWhatCannotBeCalibrated) {
         return run.err;
     };
     EXPECT_THAT(refused("soil.sand.rolling=0.01:0.1"), HasSubstr("names no key of this site"));
+    EXPECT_THAT(refused("soil.sand.rolling=0.01:0.1"),
+                HasSubstr("write soil.NAME.key, where NAME is one of compact waste, loose waste"));
+    EXPECT_THAT(refused("effect.net.height=1:3"), HasSubstr("this site has no [[effect]]"));
     EXPECT_THAT(refused("soil.loose waste.rolling=0.05"), HasSubstr("needs a range"));
     EXPECT_THAT(refused("soil.loose waste.rolling=0.1:0.01"), HasSubstr("empty range"));
     EXPECT_THAT(refused("soil.loose waste.rolling=0.05:0.1"),

@@ -40,16 +40,19 @@ DiagnoseStudy unknown(const std::vector<double>& weights, double p) {
     study.diagnosis.test.p = 0.002;
     study.diagnosis.weight_none = 0.96;
     study.diagnosis.weight_unnamed = 0.04;
-    const std::array kinds{EffectKind::GroundDrag, EffectKind::SoilPatch, EffectKind::SlowMissed,
+    const std::array kinds{EffectKind::GroundDrag, EffectKind::ForestDrag, EffectKind::SlowMissed,
                            EffectKind::Roughness};
     for (std::size_t k = 0; k < weights.size(); ++k) {
         DiagnosisVariant v;
         v.kind = kinds[k];
+        v.parameter = effect_info(kinds[k]).parameters.front().key;
+        v.reference = 0.2;
         study.catalogue.candidates.push_back({effect_info(kinds[k]).name, "", false, {v}});
         EffectFinding& f = study.diagnosis.findings.emplace_back();
         f.effect = k;
         f.finalist = true;
         f.weight = weights[k];
+        f.strength = 2.0;
         f.p = k == 0 ? p : 0.5;
         study.diagnosis.weight_none -= weights[k];
     }
@@ -58,29 +61,31 @@ DiagnoseStudy unknown(const std::vector<double>& weights, double p) {
 
 TEST(DiagnoseWords, ManyThatCouldBeItAreNoNamelessEffect) {
     EXPECT_EQ(verdict_sentence(unknown({0.5, 0.25, 0.15, 0.04}, 0.3)),
-              "UNKNOWN: something is missing (p = 0.002), and these measurements do not say what: ground_drag (weight "
-              "0.500), soil_patch (weight 0.250), slow_missed (weight 0.150), something without a "
+              "UNKNOWN: something is missing (p = 0.002), and these measurements do not say what: ground_drag "
+              "(coefficient 0.4 1/s, weight 0.500), forest_drag (coefficient 0.4 kg/s, weight 0.250), slow_missed "
+              "(least_speed 0.4 m/s, weight 0.150), something without a "
               "name (0.040), or chance (0.020)");
 }
 
 TEST(DiagnoseWords, WhatIsRatherChanceMayBeMissing) {
-    EXPECT_EQ(
-        verdict_sentence(unknown({0.15}, 0.3)),
-        "UNKNOWN: something may be missing (p = 0.002), and these measurements do not say what: ground_drag (weight "
-        "0.150), something without a name (0.040), or chance (0.810)");
+    EXPECT_EQ(verdict_sentence(unknown({0.15}, 0.3)),
+              "UNKNOWN: something may be missing (p = 0.002), and these measurements do not say what: ground_drag "
+              "(coefficient 0.4 1/s, weight 0.150), something without a name (0.040), or chance (0.810)");
 }
 
 TEST(DiagnoseWords, WhatComesNearestAndCannotBeIt) {
     EXPECT_EQ(verdict_sentence(unknown({0.99}, 0.005)),
-              "UNKNOWN: something is missing (p = 0.002) that has no name in the catalogue; ground_drag comes nearest, "
+              "UNKNOWN: something is missing (p = 0.002) that has no name in the catalogue; ground_drag (coefficient "
+              "0.4 1/s) comes nearest, "
               "but only 0.5 % of its own simulations look as far off");
 }
 
 // What comes nearest is rejected by its own simulations, but something else is not: that must not be denied.
 TEST(DiagnoseWords, ARejectedLeaderDoesNotSilenceTheOthers) {
     EXPECT_EQ(verdict_sentence(unknown({0.6, 0.3}, 0.005)),
-              "UNKNOWN: something is missing (p = 0.002), and these measurements do not say what: soil_patch (weight "
-              "0.300), something without a name (0.040), or chance (0.060); ground_drag comes nearest, but only 0.5 % "
+              "UNKNOWN: something is missing (p = 0.002), and these measurements do not say what: forest_drag "
+              "(coefficient 0.4 kg/s, weight 0.300), something without a name (0.040), or chance (0.060); ground_drag "
+              "(coefficient 0.4 1/s) comes nearest, but only 0.5 % "
               "of its own simulations look as far off");
 }
 
@@ -245,9 +250,9 @@ TEST(DiagnoseWords, EveryVerdictHasItsSentence) {
         fit.model.result.held_out.loss = -1.0;
     }
     study.verdict = Verdict::Group;
-    EXPECT_EQ(verdict_sentence(study), "GROUP: ground_drag or soil_patch; these measurements cannot tell them apart");
+    EXPECT_EQ(verdict_sentence(study), "GROUP: ground_drag or forest_drag; these measurements cannot tell them apart");
     const std::vector<std::string> remarks = diagnose_remarks(study);
-    EXPECT_THAT(remarks, Contains(HasSubstr("site_extended_2.toml is the site with soil_patch")));
+    EXPECT_THAT(remarks, Contains(HasSubstr("site_extended_2.toml is the site with forest_drag")));
     EXPECT_THAT(remarks, Contains(StartsWith("ground_drag would show in "))) << "which measurement would tell";
     study.answers.pop_back();
     study.verdict = Verdict::Named;
@@ -421,7 +426,7 @@ TEST(DiagnoseWords, HowFarItMayBeCarried) {
         const std::vector<std::string> remarks = diagnose_remarks(study);
         return remarks.empty() ? std::string() : remarks.back();
     };
-    EXPECT_THAT(said(drag), HasSubstr("blocks of 420 to 1.9e+03 kg"));
+    EXPECT_THAT(said(drag), HasSubstr("blocks of 420 to 1900 kg"));
     EXPECT_THAT(said(drag), HasSubstr("it may be carried to ground like this"));
     EXPECT_THAT(said(bias), HasSubstr("says nothing of other slopes"));
     e.variant.on = Stretch{20.0, 30.0};

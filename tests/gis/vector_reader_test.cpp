@@ -185,7 +185,7 @@ TEST(VectorReader, MissingGeometriesAndEmptyLayers) {
 TEST(VectorFields, ValuesAreCheckedTogether) {
     VectorSpec spec;
     spec.number_field = "block_m3";
-    spec.rows = {{square(0, 0), "a", 2.5}, {square(0, 0), "b", -1}, {square(0, 0), "", {}}};
+    spec.rows = {{square(0, 0), "a", 2.5}, {square(0, 0), "b", -1}, {square(0, 0), " ", {}}};
     const VectorData data = written_and_read(spec);
     NumberRule rule{.field = "block_m3", .low = 0, .low_included = false};
     EXPECT_THAT(test::input_error_of([&] { number_field(data, rule); }),

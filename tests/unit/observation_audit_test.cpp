@@ -85,6 +85,17 @@ const Plant kPlants[] = {
          t.o.stops[4].position = {30, 30, kNaN};
      },
      "stops_off_terrain", Severity::Error, "1 stop lies off"},
+    {"StopsWithEastAndNorthExchanged",
+     [](GoodTest& t) {
+         t.site.frame.easting = 200.0;
+         t.site.frame.northing = 600.0;
+         for (auto& s : t.o.stops) {
+             MapPoint map = t.site.frame.to_map(s.position);
+             std::swap(map.easting, map.northing);
+             s.position = t.site.frame.to_local(map);
+         }
+     },
+     "stops_off_terrain", Severity::Error, "exchanged they would lie on it: exchange the columns"},
     {"StopAboveAllStarts",
      [](GoodTest& t) {
          t.o.stops[2].position = {-36, 0, kNaN};

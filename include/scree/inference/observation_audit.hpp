@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include "scree/geometry/local_frame.hpp"
 #include "scree/geometry/surface.hpp"
 #include "scree/inference/observation.hpp"
 
@@ -27,7 +28,7 @@ struct AuditSite {
         kInfinity;  ///< centre of mass of the highest block that the site can release; infinite: not known [m]
     double start_speed = 0.0;           ///< [m/s]
     double gravity = kStandardGravity;  ///< [m/s^2]
-    double map_height = 0.0;            ///< what to add to heights in sentences [m]
+    LocalFrame frame;                   ///< of surface and measurements: sentences tell map coordinates
 };
 
 /// Distance of a crossing from its screen above which it is reported [m], beside three times its stated error.
