@@ -17,7 +17,7 @@ using gis::SvgPanel;
 using gis::SvgText;
 
 constexpr double kPanelWidth = 330.0, kPanelHeight = 250.0;                 // [pixel]
-constexpr double kLeft = 72.0, kRight = 22.0, kTop = 56.0, kBottom = 52.0;  // room around a panel [pixel]
+constexpr double kLeft = 72.0, kRight = 22.0, kTop = 74.0, kBottom = 52.0;  // room around a panel [pixel]
 
 std::string capital(std::string text) {
     if (!text.empty() && text[0] >= 'a' && text[0] <= 'z') text[0] = static_cast<char>(text[0] - 'a' + 'A');
@@ -79,14 +79,18 @@ std::string gap_words(const ComparedObservable& o) {
     return "gap " + number(g.gap) + ", chance " + number(g.chance.low) + " to " + number(g.chance.high);
 }
 
+void draw_panel_title(Svg& svg, const SvgPanel& panel, const std::string& title) {
+    svg.text(panel.pixels.min + Vec2(0.0, -50.0), title, words(13.5, "start", true));
+}
+
 void draw_distribution_panel(Svg& svg, const SvgPanel& panel, const ComparedObservable& o, const std::string& letter) {
     draw_x_axis(svg, panel, capital(o.gap.observable.name) + " [" + o.unit + "]");
     draw_y_axis(svg, panel, "Share of blocks at or below [-]");
     draw_distribution(svg, panel, o, false);
     draw_frame(svg, panel);
     draw_distribution_legend(svg, panel, o);
-    svg.text(panel.pixels.min + Vec2(0.0, -32.0), letter + capital(o.gap.observable.name), words(13.5, "start", true));
-    svg.text({panel.pixels.max.x(), panel.pixels.min.y() - 32.0}, gap_words(o), words(11.5, "end"));
+    draw_panel_title(svg, panel, letter + capital(o.gap.observable.name));
+    svg.text(panel.pixels.min + Vec2(0.0, -31.0), gap_words(o), words(11.5, "start"));
 }
 
 Box2 distribution_range(const ComparedObservable& o) {
@@ -122,7 +126,7 @@ void draw_zone_bars(Svg& svg, const SvgPanel& panel, const CompareStudy& study, 
                           "measured (" + std::to_string(study.zones[0].measured.of) + ")");
     at.x() += draw_legend(svg, at, LegendMark::Box, kSimulatedColour, "simulated");
     svg.text(at, "| 95 % interval", words(11.5, "start"));
-    svg.text(panel.pixels.min + Vec2(0.0, -32.0), letter + "Deposit zones", words(13.5, "start", true));
+    draw_panel_title(svg, panel, letter + "Deposit zones");
 }
 
 Box2 zone_range(const CompareStudy& study) {
@@ -250,8 +254,7 @@ Figure passing_figure(const CompareStudy& study) {
         draw_distribution(svg, panel, o, true);
         draw_frame(svg, panel);
         draw_distribution_legend(svg, panel, o);
-        svg.text(panel.pixels.min + Vec2(0.0, -32.0), "Passing shares, from where the blocks stopped",
-                 words(13.5, "start", true));
+        draw_panel_title(svg, panel, "Passing shares, from where the blocks stopped");
         return {
             "passing.svg", "Passing shares",
             "Share of the blocks that stopped beyond a distance along the axis. Dashed: where screens cross the axis.",

@@ -3,6 +3,7 @@
 
 #include "cli/campaign_layers.hpp"
 #include "cli/profile_scene.hpp"
+#include "cli/text.hpp"
 #include "gis/run_picture.hpp"
 #include "gis/words.hpp"
 
@@ -74,7 +75,7 @@ gis::DrawnRun run_of(const SiteModel& model, const CampaignResult& result, std::
         if (shares.reasons[k] > 0)
             run.facts +=
                 (run.facts.back() == ':' ? " " : ", ") + std::to_string(shares.reasons[k]) + " " + kStopReasonNames[k];
-    run.facts += "; cells of " + gis::words(c.cell_along) + " m";
+    run.facts += "; cells of " + short_number(c.cell_along) + " m";
     for (const KeptTrajectory& t : result.trajectories) {
         const BlockResult& b = result.blocks[static_cast<std::size_t>(t.block)];
         if (b.profile != static_cast<std::int32_t>(number)) continue;

@@ -51,6 +51,10 @@ toml::table parse(const std::string& text, const std::string& name) {
         std::ostringstream message;
         message << name << ":" << e.source().begin.line << ":" << e.source().begin.column
                 << ": not valid TOML (UTF-8): " << e.description();
+        const std::string_view said = e.description();  // C:\data\dtm.tif
+        if (said.find("escape sequence") != said.npos || said.find("unicode scalar") != said.npos)
+            message
+                << "; in double quotes a backslash begins a special character: write paths with /, or in single quotes";
         throw InputError(message.str());
     }
 }

@@ -20,8 +20,8 @@ public:
     void draw(bool titled) {
         axes(titled);
         ground();
-        stretches(scene_.releases, kReleaseColour, 12.0, "release");
-        stretches(scene_.deposit_zones, kZoneColour, 38.0, "");
+        stretches(scene_.releases, kReleaseColour, 20.0, "release");
+        stretches(scene_.deposit_zones, kZoneColour, 42.0, "");
         screens();
         svg_.circle(panel_.at({drawn_.start, profile_.height_at(drawn_.start)}), 4.5,
                     {.stroke = "#ffffff", .width = 1.5, .fill = kReleaseColour});
@@ -78,15 +78,12 @@ private:
             svg_.segment({from, y}, {to, y}, {.stroke = colour, .width = 4.0});
             for (const double end : {from, to})
                 svg_.segment({end, y - 5.0}, {end, y + 5.0}, {.stroke = colour, .width = 1.2});
-            const bool beside = to - from < 60.0, left = beside && to > panel_.pixels.max.x() - 80.0;
-            const double x = left ? from - 4.0 : beside ? to + 4.0 : 0.5 * (from + to);
-            const std::string anchor = left ? "end" : beside ? "start" : "middle";
-            const double width = kLetter * static_cast<double>(text.size());
-            const double begins = x - (left ? width : beside ? 0.0 : 0.5 * width);
-            if (begins < named) continue;
-            named = begins + width;
-            svg_.text({x, y + (beside ? 4.0 : -6.0)}, text,
-                      {.size = 11.0, .anchor = anchor, .colour = colour, .halo = true});
+            const double half = 0.5 * kLetter * static_cast<double>(text.size());
+            const double x = std::clamp(0.5 * (from + to), panel_.pixels.min.x() + half,
+                                        std::max(panel_.pixels.min.x() + half, panel_.pixels.max.x() - half));
+            if (x - half < named) continue;
+            named = x + half;
+            svg_.text({x, y - 6.0}, text, {.size = 11.0, .anchor = "middle", .colour = colour, .halo = true});
         }
     }
 
@@ -100,7 +97,7 @@ private:
             while (row < row_end.size() && row_end[row] > x) ++row;
             if (row == row_end.size()) row_end.push_back(0.0);
             row_end[row] = x + kLetter * static_cast<double>(text.size());
-            const double top = panel_.pixels.min.y() + 48.0 + 15.0 * static_cast<double>(row);
+            const double top = panel_.pixels.min.y() + 52.0 + 15.0 * static_cast<double>(row);
             svg_.segment({x, top}, {x, panel_.pixels.max.y()},
                          {.stroke = kScreenColour, .width = 1.3, .dashes = "6 3"});
             svg_.text({x + 4.0, top + 12.0}, text, {.size = 11.0, .colour = kScreenColour, .halo = true});

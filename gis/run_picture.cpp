@@ -11,9 +11,12 @@ namespace scree::gis {
 
 namespace {
 
-constexpr double kMostSection = 430.0;  // [pixel] tallest long profile
-constexpr double kPanel = 118.0;        // [pixel] height of a panel
-constexpr double kGap = 24.0;           // [pixel] between panels: room for the numbers of the axis
+constexpr double kMostSection = 430.0;                // [pixel] tallest long profile
+constexpr double kPanel = 118.0;                      // [pixel] height of a panel
+constexpr double kGap = 24.0;                         // [pixel] between panels: room for the numbers of the axis
+constexpr double kSpan = kWidth - kRight - kLeft;     // [pixel] width of a panel
+constexpr double kBesideKey = 8.0, kKeyLetter = 6.7;  // [pixel]
+constexpr double kRoom = 1.08, kRoomForKey = 1.25;    // top of a panel over what lies highest [-]
 const char* const kPathColour = "#31688e";
 
 class Panel {
@@ -22,8 +25,12 @@ public:
         : svg_(svg), drawn_(drawn), cell_(cell) {
         double largest = drawn.top;
         if (largest <= 0.0) {
+            const double under_key = drawn.curves.size() > 1 ? length * (1.0 - key_width() / kSpan) : kInfinity;
             for (const DrawnCurve& curve : drawn.curves)
-                for (const double v : curve.values) largest = std::max(largest, std::isfinite(v) ? 1.08 * v : 0.0);
+                for (std::size_t k = 0; k < curve.values.size(); ++k) {
+                    const double room = static_cast<double>(k + 1) * cell > under_key ? kRoomForKey : kRoom;
+                    largest = std::max(largest, std::isfinite(curve.values[k]) ? room * curve.values[k] : 0.0);
+                }
             if (largest <= 0.0) largest = 1.0;
         }
         panel_ = {{{kLeft, top}, {kWidth - kRight, top + kPanel}}, {{0.0, 0.0}, {length, largest}}};
@@ -77,13 +84,20 @@ private:
         finish();
     }
 
+    double key_width() const {
+        double width = kBesideKey;
+        for (const DrawnCurve& curve : drawn_.curves)
+            width += kKeyLetter * static_cast<double>(curve.name.size()) + 44.0;
+        return width;
+    }
+
     /// In the upper right corner, the first curve last.
     void key() {
-        double x = panel_.pixels.max.x() - 8.0;
+        double x = panel_.pixels.max.x() - kBesideKey;
         const double y = panel_.pixels.min.y() + 15.0;
         for (auto curve = drawn_.curves.rbegin(); curve != drawn_.curves.rend(); ++curve) {
             svg_.text({x, y}, curve->name, {.size = 11.0, .anchor = "end", .halo = true});
-            x -= 6.7 * static_cast<double>(curve->name.size()) + 8.0;
+            x -= kKeyLetter * static_cast<double>(curve->name.size()) + 8.0;
             svg_.segment({x - 20.0, y - 4.0}, {x, y - 4.0},
                          {.stroke = curve->colour, .width = 2.0, .dashes = curve->dashes});
             x -= 36.0;

@@ -323,6 +323,9 @@ TEST(BadInputsResult, WrongTypesNameKeyValueAndRange) {
           Case{"[[soil]]\nname = 'a'\nrestitution = 2\n",
                "site.toml:3, soil \"a\": soil.restitution = 2 is not allowed: give a number from 0 to 1"},
           Case{"[[soil]]\nname = 'a'\nmu = 2\n", "site.toml:3, soil \"a\": [[soil]] has no key mu"},
+          Case{"[terrain]\ndtm = \"C:\\data\\dtm.tif\"\n",
+               "site.toml:2:11: not valid TOML (UTF-8): Error while parsing string: unknown escape sequence '\\d'; in "
+               "double quotes a backslash begins a special character: write paths with /, or in single quotes"},
           Case{"[terain]\ndtm = 'a'\n", "site.toml:1: the section [terain] is unknown; did you mean [terrain]?"},
           Case{"[[effect]]\nkind = 'forest'\n", "there is no effect"}}) {
         put(folder / "site.toml", c.line);
