@@ -40,6 +40,12 @@ void add_inputs(std::vector<gis::ProvenanceEntry>& account, const SiteFile& site
                        })});
 }
 
+void add_counts(std::vector<gis::ProvenanceEntry>& account, const CampaignResult& result) {
+    account.push_back({"released", std::to_string(result.released)});
+    for (std::size_t k = 0; k < kStopReasonNames.size(); ++k)
+        account.push_back({std::string("ended_") + kStopReasonNames[k], std::to_string(result.reasons[k])});
+}
+
 std::vector<gis::ProvenanceEntry> provenance(const SiteFile& site, const SiteModel& model,
                                              const CampaignResult& result) {
     std::vector<gis::ProvenanceEntry> p;
@@ -48,9 +54,7 @@ std::vector<gis::ProvenanceEntry> provenance(const SiteFile& site, const SiteMod
     p.push_back({"site", site.settings.name});
     p.push_back({"seed", std::to_string(site.settings.seed)});
     p.push_back({"dimension", model.in_plane() ? "2" : "3"});
-    p.push_back({"released", std::to_string(result.released)});
-    for (std::size_t k = 0; k < kStopReasonNames.size(); ++k)
-        p.push_back({std::string("ended_") + kStopReasonNames[k], std::to_string(result.reasons[k])});
+    add_counts(p, result);
     p.push_back({"interrupted", result.interrupted ? "true: " + std::to_string(result.released) + " of " +
                                                          std::to_string(site.settings.releases.count) + " blocks"
                                                    : "false"});

@@ -16,6 +16,9 @@ namespace scree::cli {
 std::vector<gis::ProvenanceEntry> provenance(const SiteFile& site, const SiteModel& model,
                                              const CampaignResult& result);
 
+/// How many blocks were thrown, and how they ended.
+void add_counts(std::vector<gis::ProvenanceEntry>& account, const CampaignResult& result);
+
 /// The hashes of what was read, and the settings, with files by their names.
 void add_inputs(std::vector<gis::ProvenanceEntry>& account, const SiteFile& site,
                 const std::vector<gis::InputFile>& files);

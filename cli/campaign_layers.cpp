@@ -42,6 +42,11 @@ FieldValue block_id(const CampaignResult& result, const BlockResult& b) {
     return result.block_ids[static_cast<std::size_t>(b.row)];
 }
 
+FieldValue feature_of(const BlockResult& b) {
+    if (b.feature == kNoFeature) return std::monostate{};
+    return b.feature;
+}
+
 /// Horizontal distance between release and end; in 2D along the profile.
 double runout(const BlockResult& b) {
     return b.profile < 0 ? (b.stop - b.release).head<2>().norm() : b.stop_s - b.release_s;
@@ -103,7 +108,7 @@ gis::VectorLayer stopping_points(const SiteModel& model, const CampaignResult& r
                     b.time,
                     b.largest_speed,
                     b.largest_energy / kJoulePerKj,
-                    b.feature};
+                    feature_of(b)};
         add_plane_values(model, b, f.values, {b.stop_s, b.release_s});
         if (breaking) f.values.push_back(b.mass_left);
         layer.data.features.push_back(std::move(f));
@@ -125,7 +130,7 @@ gis::VectorLayer release_points(const SiteModel& model, const CampaignResult& re
         Feature f;
         f.id = static_cast<std::int64_t>(k) + 1;
         f.geometry = Points{b.release};
-        f.values = {static_cast<std::int64_t>(k), block_id(result, b), b.mass, b.raised, b.feature};
+        f.values = {static_cast<std::int64_t>(k), block_id(result, b), b.mass, b.raised, feature_of(b)};
         add_plane_values(model, b, f.values, {b.release_s});
         layer.data.features.push_back(std::move(f));
     }

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include "cli/account.hpp"
 #include "cli/calibrate_report.hpp"
 #include "cli/calibration_journal.hpp"
 #include "cli/campaign_layers.hpp"
@@ -64,7 +65,10 @@ gis::ResultsPackage results_of(const CalibrationReport& report, const SiteModel&
     package.frame = model.terrain.data.frame;
     package.title = report.before.settings.name + ": calibrated";
     for (gis::VectorLayer& layer : campaign_vectors(model, calibrated)) package.vectors.push_back(std::move(layer));
-    package.provenance = {{"program", "scree " + version()}, {"site", report.before.settings.name}};
+    package.provenance = {{"program", "scree " + version()},
+                          {"site", report.before.settings.name},
+                          {"seed", std::to_string(report.settings.seed)}};
+    add_counts(package.provenance, calibrated);
     for (const std::string& line : report.inputs) package.provenance.push_back({"input", line});
     const std::vector<Figure> figures = calibrate_figures(report);
     std::vector<Figure> compared;

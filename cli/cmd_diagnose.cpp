@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include "cli/account.hpp"
 #include "cli/campaign_layers.hpp"
 #include "cli/commands.hpp"
 #include "cli/diagnose_consequences.hpp"
@@ -157,6 +158,7 @@ gis::ResultsPackage results_of(const DiagnoseStudy& study, const SiteModel& mode
         const ShownModel shown = shown_model(study);
         package.title += ", " + shown.name;
         package.provenance.push_back({"model", shown.name});
+        add_counts(package.provenance, shown.campaign);
         package.vectors = campaign_vectors(model, shown.campaign);
     }
     if (in_space && !model.campaign.screens.empty()) package.vectors.push_back(screens_in_space(study.site, model));

@@ -86,11 +86,7 @@ std::string design_text(const CompareStudy& study, const ObservedSite& observed,
 void print_comparison(std::ostream& out, const CompareStudy& study, const ObservedSite& observed,
                       const CampaignResult& campaign) {
     out << study.title << ": " << design_text(study, observed, campaign) << "\n";
-    const auto lost = campaign.reasons[static_cast<std::size_t>(StopReason::LeftTerrain)] +
-                      campaign.reasons[static_cast<std::size_t>(StopReason::TimeLimit)];
-    if (lost > 0)
-        out << percent(lost, campaign.released)
-            << " of the simulated blocks left the terrain or ran out of time: they count where they were last seen\n";
+    if (const std::string lost = lost_text(study); !lost.empty()) out << lost << "\n";
     out << "distance " << observed.axis_text << "\n\n"
         << padded("", kNameWidth + 8) << padded("median (5 to 95 %)", 2 * kSampleWidth + 2) << "gap (95 % of chance)\n"
         << padded("", kNameWidth) << " " << std::setw(5) << "n"
@@ -106,8 +102,8 @@ void print_comparison(std::ostream& out, const CompareStudy& study, const Observ
         out << padded("at rest in " + z.name, kNameWidth + 8) << padded(share_text(z.measured), kSampleWidth) << " "
             << share_text(z.simulated) << "\n";
     for (const SharePair& s : study.beyond_screens)
-        out << padded("stopped beyond " + s.name, kNameWidth + 8) << padded(share_text(s.measured), kSampleWidth) << " "
-            << share_text(s.simulated) << "\n";
+        out << padded("farther along than " + s.name, kNameWidth + 8) << padded(share_text(s.measured), kSampleWidth)
+            << " " << share_text(s.simulated) << "\n";
     for (const ComparedObservable& o : study.observables) {
         if (o.gap.observable.name != "runout" || !o.gap.wasserstein) continue;
         const WassersteinGap& w = *o.gap.wasserstein;
@@ -209,6 +205,7 @@ std::string compare_html(const CompareStudy& study, const ObservedSite& observed
     html << "<p class=\"verdict\">" << escaped(verdict(study)) << "</p>\n<p>"
          << escaped(design_text(study, observed, campaign)) << ". Distance " << escaped(observed.axis_text)
          << ".</p>\n";
+    if (const std::string lost = lost_text(study); !lost.empty()) html << "<p>" << escaped(lost) << ".</p>\n";
     for (const Figure& f : figures) {
         if (!f.caption.empty()) {
             html << "<h2>" << escaped(f.title) << "</h2>\n";
@@ -221,7 +218,8 @@ std::string compare_html(const CompareStudy& study, const ObservedSite& observed
     html << "</div>\n<h2>Numbers</h2>\n"
          << observables_table(study, observed.observations.matched) << kDefinitions << distances_table(study)
          << shares_table(study.zones, "at rest in deposit zone", false)
-         << shares_table(study.beyond_screens, "stopped beyond screen, at distance along", true)
+         << shares_table(study.beyond_screens, "stopped farther along than where the axis first crosses the screen",
+                         true)
          << shares_table(study.beyond, "stopped beyond distance along", true) << "<h2>Measurements</h2>\n"
          << html_list(observed.sources) << findings_list(observed);
     return html_page(study.title + ": measured and simulated", html.str());

@@ -1,8 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "cli/compare_study.hpp"
 
+#include "cli/text.hpp"
+
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <numeric>
 #include <set>
 
@@ -93,13 +96,15 @@ void add_passing(CompareStudy& study, const SiteModel& model, const ObservedSite
     const std::vector<double> measured = finite(study.measured, {Quantity::Along, -1}),
                               simulated = finite(study.simulated, {Quantity::Along, -1});
     if (measured.empty() || simulated.empty()) return;
-    std::set<std::string> seen;
-    const auto add = [&](const Screen& screen, double at) {
-        if (std::isfinite(at) && seen.insert(screen.name).second)
-            study.beyond_screens.push_back({screen.name, at, share_above(measured, at), share_above(simulated, at)});
-    };
+    std::map<std::string, double> first;  // of screens in several parts
     const std::vector<double> chainages = screen_chainages(model, observed.op.axis);
-    for (std::size_t k = 0; k < chainages.size(); ++k) add(model.campaign.screens[k], chainages[k]);
+    for (std::size_t k = 0; k < chainages.size(); ++k) {
+        if (!std::isfinite(chainages[k])) continue;
+        double& at = first.try_emplace(model.campaign.screens[k].name, chainages[k]).first->second;
+        at = std::min(at, chainages[k]);
+    }
+    for (const auto& [name, at] : first)
+        study.beyond_screens.push_back({name, at, share_above(measured, at), share_above(simulated, at)});
     std::sort(study.beyond_screens.begin(), study.beyond_screens.end(),
               [](const SharePair& a, const SharePair& b) { return a.chainage < b.chainage; });
     const double farthest = std::max(*std::max_element(measured.begin(), measured.end()),
@@ -157,6 +162,17 @@ std::string column_name(const ObservationOperator& op, const Column& column) {
     return {};
 }
 
+std::string lost_text(const CompareStudy& study) {
+    std::string text;
+    if (study.lost > 0)
+        text = percent(study.lost, study.released) +
+               " of the simulated blocks left the terrain or ran out of time: they count where they were last seen";
+    if (study.failed > 0)
+        text += (text.empty() ? "" : "; ") + percent(study.failed, study.released) +
+                " of the simulated blocks came to nothing, as their computation failed, and do not count";
+    return text;
+}
+
 CompareStudy make_study(const SiteFile& site, const SiteModel& model, const ObservedSite& observed,
                         const CampaignResult& campaign) {
     CompareStudy study;
@@ -173,6 +189,10 @@ CompareStudy make_study(const SiteFile& site, const SiteModel& model, const Obse
     const std::vector<Observable>& observables = gaps.observables();
     const Discrepancy d =
         compare_tables(study.measured, study.simulated, observables, column_scales(study.simulated), settings);
+    study.released = campaign.released;
+    study.lost = campaign.reasons[static_cast<std::size_t>(StopReason::LeftTerrain)] +
+                 campaign.reasons[static_cast<std::size_t>(StopReason::TimeLimit)];
+    study.failed = campaign.reasons[static_cast<std::size_t>(StopReason::Failed)];
     study.overall = d.overall;
     study.overall_score = d.overall_score;
     std::set<std::string> slugs{"map", "gaps", "overview", "passing", "pit", "deposit_zones"};

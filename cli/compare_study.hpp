@@ -52,15 +52,22 @@ struct CompareStudy {
     std::int64_t seed = 0;
     std::int64_t repeats = 0;  ///< of matched blocks [-]
     std::size_t blocks = 0;    ///< measured [-]
+    std::int64_t
+        released = 0,
+        lost = 0,
+        failed = 0;  ///< simulated blocks, of these off the terrain or out of time, and computations that failed [-]
     std::vector<ComparedObservable> observables;
     Gap overall;
     std::optional<Gap> overall_score;
     std::vector<SharePair> zones;           ///< at rest in each deposit zone
-    std::vector<SharePair> beyond_screens;  ///< stopped beyond the chainage at which a screen crosses the axis
+    std::vector<SharePair> beyond_screens;  ///< stopped farther along than where a screen first crosses the axis
     std::vector<SharePair> beyond;          ///< stopped beyond round chainages
     std::vector<BlockPit> pits;
     ObservationTable measured, simulated;
 };
+
+/// Of simulated blocks whose end nobody knows: a sentence without its full stop, empty if there are none.
+std::string lost_text(const CompareStudy& study);
 
 CompareStudy make_study(const SiteFile& site, const SiteModel& model, const ObservedSite& observed,
                         const CampaignResult& campaign);

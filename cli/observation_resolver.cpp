@@ -137,7 +137,7 @@ private:
         ObservedBlock& block = result_.observations.blocks[static_cast<std::size_t>(at->second)];
         if (!std::isfinite(block.order)) block.order = body.order;
         if (!std::isfinite(block.mass)) block.mass = body.mass;
-        if (!std::isfinite(block.size.sum())) block.size = {body.l1, body.l2, body.l3};
+        block.size = block.size.array().isFinite().select(block.size, Vec3(body.l1, body.l2, body.l3));
         return at->second;
     }
 
@@ -212,7 +212,7 @@ private:
         if (stops && !records_.shares.empty() && records_.seed.empty())  // results of Scree have both, and agree
             find(Severity::Warning, "shares_unused",
                  "deposit_zones are not compared, as the stops say in which zone each block is");
-        if (!twice.empty())
+        if (!twice.empty() && !(stops && !records_.seed.empty()))
             find(Severity::Error, "zone_twice",
                  "deposit_zones have more than one row for " + listed_few(twice) + ": add them up to one per zone");
         report_unknown("unknown_zone", "deposit zones", "deposit_zones", unknown, result_.op.zones);

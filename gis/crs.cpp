@@ -107,16 +107,21 @@ void check_directions(const OGRSpatialReference& flat, const std::string& name, 
 
 void check_heights_up(const OGRSpatialReference& crs, const std::string& place) {
     OGRAxisOrientation towards = OAO_Up;
-    if (!crs.IsCompound() || !crs.GetAxis(nullptr, 2, &towards) || towards != OAO_Down) return;
+    if (crs.GetAxesCount() != 3 || !crs.GetAxis(nullptr, 2, &towards) || towards != OAO_Down) return;
     throw InputError(words(place, " has depths, positive downwards, by its CRS '", crs_name(crs),
                            "', but heights must grow upwards; turn them with gdal_calc.py -A in.tif --calc=-A "
                            "--outfile=out.tif and assign a CRS of heights."));
 }
 
 void check_vertical_unit(const OGRSpatialReference& crs, const std::string& place) {
-    if (!crs.IsCompound() && !crs.IsVertical()) return;
+    const bool in_one = crs.GetAxesCount() == 3 && !crs.IsCompound();  // a projected CRS with an axis of heights
+    if (!crs.IsCompound() && !crs.IsVertical() && !in_one) return;
     const char* unit = nullptr;
-    const double metres = crs.GetTargetLinearUnits("VERT_CS", &unit);
+    double metres = 1.0;
+    if (in_one)
+        crs.GetAxis(nullptr, 2, nullptr, &metres);
+    else
+        metres = crs.GetTargetLinearUnits("VERT_CS", &unit);
     if (std::abs(metres - 1) < 1e-9) return;
     throw InputError(words(place, " has heights in ", unit ? unit : "a unit other than metres", " (", metres,
                            " m) by its CRS '", crs_name(crs),

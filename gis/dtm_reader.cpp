@@ -28,6 +28,8 @@ constexpr std::int64_t kStripCells = 1 << 22;  // cells read at a time [-]
 constexpr double kSpike = 20.0,
                  kLeastSpike = 10.0;  // height that no single cell has over all its neighbours [cells], [m]
 constexpr double kSparse = 0.1;       // share of valid cells below which a warning is given [-]
+constexpr double kMinus99 = -99.0;    // stands for "no height" in some files [m]
+constexpr double kLowCliff = 10.0;    // zeros this far below all other heights may be such holes, or water [m]
 constexpr double kZeroCliff = 100.0;  // zeros this far below all other heights are holes filled with 0 [m]
 
 // Values that programs write where they know nothing.
@@ -255,8 +257,8 @@ private:
 // What is learned about the heights while they are read.
 struct HeightCensus {
     std::size_t valid = 0, zeros = 0, infinite = 0, outside = 0,
-                like_first = 0;                                         // like_first: outside, of the first such value
-    double min = kInfinity, max = -kInfinity, min_nonzero = kInfinity;  // [m]
+                like_first = 0;  // like_first: outside, of the first such value
+    double min = kInfinity, max = -kInfinity, min_nonzero = kInfinity, min_but_99 = kInfinity;  // [m]
     bool integral = true;
     double bad_value = 0;                                                    // first infinite or outside value [m]
     std::size_t bad_row = 0, bad_column = 0, zero_row = 0, zero_column = 0;  // in the file, from 0
@@ -275,6 +277,7 @@ struct HeightCensus {
         min = std::min(min, z);
         max = std::max(max, z);
         integral = integral && z == std::floor(z);
+        if (z != kMinus99) min_but_99 = std::min(min_but_99, z);
         if (z != 0)
             min_nonzero = std::min(min_nonzero, z);
         else if (++zeros == 1)
@@ -324,7 +327,7 @@ void check_heights(const HeightCensus& census, const std::string& file, const Dt
                            "gdal_translate -a_nodata 0 in.tif out.tif."));
     }
     // -99 is a possible height, but not a hundred metres below all the others
-    if (census.min == -99 && census.max > kZeroCliff) {
+    if (census.min == kMinus99 && (census.max > kZeroCliff || census.min_but_99 > kMinus99 + kZeroCliff)) {
         refuse(file,
                "has cells of height -99 m far below its other heights; if this means \"no height\", set the tag with "
                "gdal_translate -a_nodata -99 in.tif out.tif.");
@@ -431,6 +434,12 @@ void add_warnings(const HeightCensus& census, const Decoder& decoder, const Gdal
         report.warnings.push_back(words(
             place, " has heights in whole metres: its slopes are terraces of ", fixed(1 / std::max(dtm.dx, dtm.dy), 2),
             " m per metre, and blocks will bounce on steps that do not exist; use a raster of real numbers."));
+    }
+    if (census.zeros > 0 && census.zeros < census.valid && census.min_nonzero > kLowCliff) {
+        report.warnings.push_back(words(place, " has ", counted(census.zeros, "cell"),
+                                        " of height 0 while all others are above ", census.min_nonzero,
+                                        " m: if they are holes filled with zero and no water, set the tag with "
+                                        "gdal_translate -a_nodata 0 in.tif out.tif."));
     }
     if (census.max == census.min) {
         report.warnings.push_back(

@@ -24,15 +24,16 @@ const std::vector<std::string> kPositionFields{"easting_m",    "northing_m", "lo
                                                "latitude_deg", "z_m",        "crs"};
 const std::vector<std::string> kBodyFields{"block_id", "order", "mass_kg", "l1_m", "l2_m", "l3_m"};
 
-constexpr double kMaxMass = 1e7;                // [kg]
-constexpr double kMaxEdge = 50.0;               // [m]
-constexpr double kMaxSpeed = 300.0;             // [m/s]
-constexpr double kMaxSpin = 1000.0;             // [rad/s]
-constexpr double kMaxError = 1000.0;            // [m, m/s, ...]
-constexpr double kMaxImpacts = 10.0;            // of a block [-]
-constexpr double kMaxBlocks = 1e9;              // [-]
-constexpr double kPercentRounding = 0.06;       // [%] of a share that is printed with one decimal
-constexpr double kWholePercentRounding = 0.51;  // [%] of one without
+constexpr const char* kResults = "results.gpkg";  // of a run of Scree
+constexpr double kMaxMass = 1e7;                  // [kg]
+constexpr double kMaxEdge = 50.0;                 // [m]
+constexpr double kMaxSpeed = 300.0;               // [m/s]
+constexpr double kMaxSpin = 1000.0;               // [rad/s]
+constexpr double kMaxError = 1000.0;              // [m, m/s, ...]
+constexpr double kMaxImpacts = 10.0;              // of a block [-]
+constexpr double kMaxBlocks = 1e9;                // [-]
+constexpr double kPercentRounding = 0.06;         // [%] of a share that is printed with one decimal
+constexpr double kWholePercentRounding = 0.51;    // [%] of one without
 
 std::vector<std::string> joined(std::vector<std::string> a, const std::vector<std::string>& b) {
     a.insert(a.end(), b.begin(), b.end());
@@ -197,11 +198,20 @@ bool is_table(const fs::path& file) {
     return extension == ".csv" || extension == ".txt" || extension == ".tsv";
 }
 
+/// Of files that GDAL reads: those that somebody may keep a table in, beside others of a folder.
+bool is_vector_file(const fs::path& file) {
+    constexpr std::array kExtensions{".gpkg", ".shp", ".geojson", ".json", ".fgb", ".gml",
+                                     ".kml",  ".tab", ".sqlite",  ".xlsx", ".ods"};
+    return std::find(kExtensions.begin(), kExtensions.end(), lower_case(file.extension().string())) !=
+           kExtensions.end();
+}
+
 /// The one of the names that is `name`, in whatever case; empty if none is.
 std::string called(const std::string& name, const std::vector<std::string>& names, const std::string& place) {
     std::string found;
     for (const std::string& candidate : names) {
-        if (lower_case(is_table(candidate) ? fs::path(candidate).stem().string() : candidate) != name) continue;
+        const bool file = is_table(candidate) || is_vector_file(candidate);
+        if (lower_case(file ? fs::path(candidate).stem().string() : candidate) != name) continue;
         if (!found.empty())
             throw InputError(words("The observations '", place, "' hold '", found, "' and '", candidate,
                                    "': which one counts? Keep one, or rename the other."));
@@ -229,7 +239,7 @@ void add_vector_file(const std::string& file, const LocalFrame& frame, const Box
     for (const char* name : kTables) {
         const std::string layer = called(name, layers, file);
         if (layer.empty()) continue;
-        add_table(name, read_layer_records(file, layer, frame, extent), records);
+        add_table(name, read_layer_records(file, layer, name, frame, extent), records);
         read.push_back(layer);
     }
     const bool of_scree =
@@ -242,7 +252,7 @@ void add_vector_file(const std::string& file, const LocalFrame& frame, const Box
                                names.empty() ? "none" : names, "; ", what_is_read()));
     }
     if (of_scree) {
-        const RecordTable run = read_layer_records(file, "run", frame, extent);
+        const RecordTable run = read_layer_records(file, "run", "run", frame, extent);
         for (const RecordTable::Record& r : run.records)
             if (run.text(r, "key") == "seed") records.seed = run.text(r, "value");
     }
@@ -267,16 +277,23 @@ std::string kind_of(const RecordTable& table, const fs::path& file) {
         fields, "; ", what_is_read()));
 }
 
+/// A table of a folder, in a file of its own: of several layers the one that is called as the table.
+RecordTable read_file(const std::string& file, const char* kind, const LocalFrame& frame, const Box2& extent) {
+    if (is_table(file)) return read_csv_records(file, frame, extent);
+    const std::vector<std::string> layers = layer_names(file, "observations");
+    const std::string layer = layers.size() == 1 ? layers.front() : called(kind, layers, file);
+    if (layer.empty())
+        throw InputError(words("The observations '", file, "' have ", counted(layers.size(), "layer"),
+                               ", and none of them is called '", kind, "'; rename the one that is meant."));
+    return read_layer_records(file, layer, kind, frame, extent);
+}
+
 void add_folder(const fs::path& folder, const LocalFrame& frame, const Box2& extent, ObservationRecords& records) {
-    if (fs::exists(folder / "results.gpkg")) {
-        add_vector_file((folder / "results.gpkg").string(), frame, extent, records);
-        return;
-    }
     std::vector<std::string> tables, read;
     std::error_code ignored;
     for (const auto& entry : fs::directory_iterator(folder, ignored)) {
-        if (!is_table(entry.path())) continue;
         const std::string name = entry.path().filename().string();
+        if (name == kResults || (!is_table(entry.path()) && !is_vector_file(entry.path()))) continue;
         if (entry.is_regular_file(ignored))
             tables.push_back(name);
         else if (std::any_of(std::begin(kTables), std::end(kTables),
@@ -286,14 +303,20 @@ void add_folder(const fs::path& folder, const LocalFrame& frame, const Box2& ext
                       "', which is a folder or a link that leads nowhere; put the table there, or remove it."));
     }
     std::sort(tables.begin(), tables.end());
+    const bool results = fs::exists(folder / kResults);
     for (const char* name : kTables) {
         const std::string table = called(name, tables, folder.string());
         if (table.empty()) continue;
+        if (results)
+            throw InputError(words("The observations '", folder.string(), "' hold '", kResults, "' and '", table,
+                                   "': which one counts? Name the file that is meant, or put it into a folder of its "
+                                   "own."));
         const std::string file = (folder / table).string();
-        add_table(name, read_csv_records(file, frame, extent), records);
+        add_table(name, read_file(file, name, frame, extent), records);
         records.files.push_back(file);
         read.push_back(table);
     }
+    if (results) add_vector_file((folder / kResults).string(), frame, extent, records);
     if (!read.empty()) warn_of_unread_tables(folder.string(), tables, read, records);
     if (records.files.empty())
         throw InputError(words("The folder '", folder.string(), "' holds no table of observations and no results; ",

@@ -120,35 +120,9 @@ void RecordTable::warn_of_unread(const std::vector<std::string>& known) {
                                  "; names carry their unit, such as speed_ms (gis/README.md lists them)."));
 }
 
-RecordTable read_layer_records(const std::string& file, const std::string& layer, const LocalFrame& frame,
-                               const Box2& extent) {
-    VectorSource source;
-    source.file = file;
-    source.layer = layer;
-    source.kinds = {GeometryKind::Point};
-    if (layer == kSharesTable)  // deposit zones, along profiles as well
-        source.kinds.insert(source.kinds.end(), {GeometryKind::Polygon, GeometryKind::LineString});
-    source.purpose = "observations";
-    source.may_reach_beyond = true;  // the audit of the observations says so in its own words
-    source.geometry_optional = true;
-    const VectorData data = read_vector(source, frame, extent);
-    RecordTable table;
-    table.place = words("The layer '", layer, "' of '", file, "'");
-    for (const Field& field : data.layer.fields) table.fields.push_back(lower_case(field.name));
-    for (const Feature& feature : data.layer.features)
-        table.records.push_back({feature.id, point_of(feature, table), feature.values});
-    table.warnings = data.report.warnings;
-    table.source = words(layer, ": ", counted(table.records.size(), "record"),
-                         data.layer.kind == GeometryKind::None
-                             ? std::string(" without positions")
-                             : words(", ", data.report.crs_name.empty() ? "unknown CRS" : data.report.crs_name),
-                         operation_text(data.report.operation, data.report.accuracy));
-    return table;
-}
-
 namespace {
 
-/// Finds out where the positions of a table are and brings them into the local frame.
+/// Finds out where the positions of a table are and brings them into the local frame, of records that have none yet.
 class TablePositions {
 public:
     TablePositions(RecordTable& table, const LocalFrame& frame, const Box2& extent)
@@ -157,9 +131,11 @@ public:
     void fill() {
         const bool map = table_.has("easting_m") || table_.has("northing_m");
         const bool earth = table_.has("longitude_deg") || table_.has("latitude_deg");
-        table_.source += words(": ", counted(table_.records.size(), "record"));
+        const auto placed = static_cast<std::size_t>(
+            std::count_if(table_.records.begin(), table_.records.end(), &TablePositions::is_placed));
+        if (placed > 0 && placed == table_.records.size()) return;
         if (!map && !earth) {
-            table_.source += " without positions";
+            if (placed == 0) table_.source += " without positions";
             return;
         }
         if (map && earth)
@@ -169,12 +145,15 @@ public:
         table_.require(map ? std::vector<std::string>{"easting_m", "northing_m"}
                            : std::vector<std::string>{"longitude_deg", "latitude_deg"});
         prepare(earth);
-        for (RecordTable::Record& record : table_.records) place(record, earth);
+        for (RecordTable::Record& record : table_.records)
+            if (!is_placed(record)) place(record, earth);
         check_extent();
         report();
     }
 
 private:
+    static bool is_placed(const RecordTable::Record& record) { return std::isfinite(record.position.x()); }
+
     void prepare(bool earth) {
         std::string name;
         for (const RecordTable::Record& record : table_.records) {
@@ -261,6 +240,32 @@ private:
 
 }  // namespace
 
+RecordTable read_layer_records(const std::string& file, const std::string& layer, std::string_view kind,
+                               const LocalFrame& frame, const Box2& extent) {
+    VectorSource source;
+    source.file = file;
+    source.layer = layer;
+    source.kinds = {GeometryKind::Point};
+    if (kind == kSharesTable)  // deposit zones, along profiles as well
+        source.kinds.insert(source.kinds.end(), {GeometryKind::Polygon, GeometryKind::LineString});
+    source.purpose = "observations";
+    source.may_reach_beyond = true;  // the audit of the observations says so in its own words
+    source.geometry_optional = true;
+    const VectorData data = read_vector(source, frame, extent);
+    RecordTable table;
+    table.place = words("The layer '", layer, "' of '", file, "'");
+    for (const Field& field : data.layer.fields) table.fields.push_back(lower_case(field.name));
+    for (const Feature& feature : data.layer.features)
+        table.records.push_back({feature.id, point_of(feature, table), feature.values});
+    table.warnings = data.report.warnings;
+    table.source = words(layer, ": ", counted(table.records.size(), "record"));
+    if (data.layer.kind != GeometryKind::None)
+        table.source += words(", ", data.report.crs_name.empty() ? "unknown CRS" : data.report.crs_name,
+                              operation_text(data.report.operation, data.report.accuracy));
+    TablePositions(table, frame, extent).fill();
+    return table;
+}
+
 RecordTable read_csv_records(const std::string& file, const LocalFrame& frame, const Box2& extent) {
     const Table csv = read_table(file, "table of observations");
     RecordTable table;
@@ -268,11 +273,12 @@ RecordTable read_csv_records(const std::string& file, const LocalFrame& frame, c
     table.row_word = "line";
     table.decimal_comma = csv.separator != ',';
     table.warnings = csv.warnings;
-    table.source = std::filesystem::path(file).filename().string();
     for (const std::string& field : csv.header) table.fields.push_back(lower_case(field));
     for (const Table::Row& row : csv.rows)
         table.records.push_back({static_cast<std::int64_t>(row.line), Vec3::Constant(kNaN),
                                  std::vector<FieldValue>(row.cells.begin(), row.cells.end())});
+    table.source =
+        words(std::filesystem::path(file).filename().string(), ": ", counted(table.records.size(), "record"));
     TablePositions(table, frame, extent).fill();
     return table;
 }

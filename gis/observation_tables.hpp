@@ -44,9 +44,10 @@ private:
     const FieldValue* find(const Record& record, const std::string& field) const;
 };
 
-/// A layer of a vector file; positions are those of its points.
-RecordTable read_layer_records(const std::string& file, const std::string& layer, const LocalFrame& frame,
-                               const Box2& extent);
+/// A layer of a vector file or spreadsheet, whose records are of the kind of a table of observations (observation_reader.hpp), or of another one. Positions are those of its points;
+/// of records without a point those of the fields that a CSV table would have.
+RecordTable read_layer_records(const std::string& file, const std::string& layer, std::string_view kind,
+                               const LocalFrame& frame, const Box2& extent);
 /// A CSV table with easting_m and northing_m, in the CRS that its column `crs` names or else in the terrain's, or longitude_deg and latitude_deg in
 /// WGS 84; z_m is a height in the terrain's datum. Positions may be absent.
 RecordTable read_csv_records(const std::string& file, const LocalFrame& frame, const Box2& extent);

@@ -135,7 +135,7 @@ private:
         }
         if (!scope_.reason().empty())
             refuse(words("cannot be read to its end", scope_.reason(), "; the file is damaged, copy it again."));
-        if (data_.layer.features.empty()) {
+        if (data_.layer.features.empty() && !source_.geometry_optional) {
             refuse(without_geometry > 0 ? words("has ", counted(without_geometry, "feature"),
                                                 " but none with a geometry; draw at least one.")
                                         : std::string("is empty; draw at least one feature."));

@@ -15,7 +15,8 @@ struct VectorSource {
     std::vector<GeometryKind> kinds;      ///< allowed kinds; the features of a layer must all have the same one
     std::string purpose = "vector file";  ///< what messages call it: "release zones"
     bool may_reach_beyond = false;        ///< true: no warning for features beyond the extent, as is usual for soils
-    bool geometry_optional = false;  ///< true: features without a geometry, and whole tables without, are read, too
+    bool geometry_optional =
+        false;  ///< true: a table: features without a geometry are read, too, and there may be none
 };
 
 struct VectorReport {

@@ -112,10 +112,10 @@ void run_block_in_space(const CampaignInput& input, const Prepared& prepared, st
 /// Where a block starts: seen on its way, let go at a known place, or anywhere in the release area.
 ProfileRelease::Place place_of(const CampaignInput& input, std::int64_t number, std::int64_t row) {
     if (const Departure* from = departure_of(input, number))
-        return {static_cast<std::size_t>(from->profile), from->s, 0};
+        return {static_cast<std::size_t>(from->profile), from->s, kNoFeature};
     if (row >= 0) {
         const BlockRow& known = input.population.list[static_cast<std::size_t>(row)];
-        if (known.profile >= 0) return {static_cast<std::size_t>(known.profile), known.s, -1};
+        if (known.profile >= 0) return {static_cast<std::size_t>(known.profile), known.s, kNoFeature};
     }
     return input.profile_release->draw(input.seed, static_cast<std::uint64_t>(number));
 }

@@ -112,7 +112,7 @@ std::optional<ProfileRelease::Place> ProfileRelease::foot(const Vec2& point, std
         const double distance = std::abs(at.offset);
         if (distance > nearest || (place && distance == nearest)) continue;
         nearest = distance;
-        place = Place{k, at.s, -1};
+        place = Place{k, at.s, kNoFeature};
     }
     return place;
 }

@@ -44,6 +44,16 @@ TEST(CalibrateReport, APlaceThatWasSeenIsMarked) {
     EXPECT_EQ(json[1]["left_out_was_seen"], true);
 }
 
+TEST(CalibrateReport, BlocksWhoseEndNobodyKnowsAreTold) {
+    CalibrationReport report = one_fold_and_two_places();
+    EXPECT_THAT(calibrate_html(report, {}, {}), Not(HasSubstr("left the terrain")));
+    report.after_study.released = 400;
+    report.after_study.lost = 330;
+    report.after_study.failed = 2;
+    EXPECT_THAT(calibrate_html(report, {}, {}), HasSubstr("82.5 % of the simulated blocks left the terrain"));
+    EXPECT_THAT(calibrate_json(report), HasSubstr("0.5 % of the simulated blocks came to nothing"));
+}
+
 // The name of a file need not be UTF-8; hours of simulations are not lost over it.
 TEST(CalibrateReport, WritesInputsOfAnyName) {
     CalibrationReport report = one_fold_and_two_places();

@@ -112,6 +112,47 @@ TEST(Compare, OfTheSameModelWithAnotherSeedIsAboutOne) {
 }
 
 // Its blocks are those of the simulation, move for move.
+TEST(Compare, SaysHowManySimulatedBlocksAreLost) {
+    const TempDir folder;
+    const fs::path observed = field_test(folder, {"--set", "model.dimension=2"});
+    const Outcome run =
+        compare(observed, folder / "out", {"--set", "model.dimension=2", "--set", "profile.longest=60"});
+    ASSERT_EQ(run.code, 0) << run.err;
+    for (const std::string& text : {run.out, text_of(folder / "out" / "report.html")})
+        EXPECT_THAT(text, HasSubstr("of the simulated blocks left the terrain or ran out of time"));
+}
+
+// The numbers of release_zones begin at 1.
+TEST(Compare, BlocksThatWereLetGoAtKnownPlacesAreOfNoReleaseArea) {
+    const TempDir folder;
+    const fs::path observed = field_test(folder);
+    ASSERT_EQ(compare(observed, folder / "out").code, 0);
+    const std::vector<PointRow> stops = read_points(folder / "out" / "results.gpkg", "stopping_points");
+    ASSERT_FALSE(stops.empty());
+    for (const PointRow& stop : stops) EXPECT_EQ(stop.values.at("release_feature"), "");
+}
+
+// Of a screen in several parts the first on the way counts, whatever their order in the file.
+TEST(Compare, AScreenIsPassedWhereItsFirstPartStands) {
+    const TempDir folder;
+    const auto line = [](int x) {
+        const std::string east = std::to_string(890000 + x);
+        return R"({"type":"Feature","properties":{"name":"same"},"geometry":{"type":"LineString","coordinates":[[)" +
+               east + ",6670000],[" + east + ",6670080]]}}";
+    };
+    put(folder / "screens.geojson",
+        R"({"type":"FeatureCollection","crs":{"type":"name","properties":{"name":"urn:ogc:def:crs:EPSG::2154"}},)"
+        R"("features":[)" +
+            line(78) + "," + line(45) + "]}");
+    const std::string screens = "screens.file=" + (folder / "screens.geojson").string();
+    const fs::path observed = field_test(folder, {"--set", screens, "--set", "model.dimension=2"});
+    const Outcome run = compare(observed, folder / "out", {"--set", screens, "--set", "model.dimension=2"});
+    ASSERT_EQ(run.code, 0) << run.err;
+    const json same = report(folder / "out").at("stopped_beyond_screens").at(0);
+    EXPECT_THAT(run.out, HasSubstr("farther along than same"));
+    EXPECT_EQ(same.at("measured").at("count"), kMeasured) << same;
+}
+
 TEST(Compare, WarnsOfResultsOfTheSameSeed) {
     const TempDir folder;
     const fs::path observed = field_test(folder);  // of seed 2

@@ -7,6 +7,7 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <ogr_spatialref.h>
 
 #include <cmath>
 #include <limits>
@@ -115,6 +116,11 @@ TEST(DtmReader, UntaggedNodataIsRefusedWithTheCure) {
             << value;
     }
     EXPECT_THAT(error_of(with_cell(0)), AllOf(HasSubstr("holes filled with zero"), HasSubstr("-a_nodata 0")));
+    RasterSpec low;  // no height far above zero
+    low.value = [](int c, int r) { return c == 3 && r == 4 ? -99.0 : 40.25 + c + r; };
+    EXPECT_THAT(error_of(low), HasSubstr("-a_nodata -99"));
+    low.value = [](int c, int r) { return c == 3 && r == 4 ? 0.0 : 40.25 + c + r; };
+    EXPECT_THAT(written_and_read(low).report.warnings, Contains(HasSubstr("1 cell of height 0")));
     EXPECT_THAT(error_of(with_cell(kInfinity)), AllOf(HasSubstr("infinity"), HasSubstr("column 4, row 5")));
 }
 
@@ -184,6 +190,18 @@ TEST(DtmReader, UnitsAndFramesThatWouldSilentlyBeWrongAreRefused) {
     RasterSpec vertical_feet;
     vertical_feet.crs = "EPSG:2154+6360";
     EXPECT_THAT(error_of(vertical_feet), AllOf(HasSubstr("heights in"), HasSubstr("foot")));
+
+    OGRSpatialReference in_one;  // eastings, northings and heights in a single CRS
+    ASSERT_EQ(in_one.SetFromUserInput("EPSG:2154"), OGRERR_NONE);
+    ASSERT_EQ(in_one.PromoteTo3D(nullptr), OGRERR_NONE);
+    char* wkt = nullptr;
+    const char* const options[] = {"FORMAT=WKT2", nullptr};
+    ASSERT_EQ(in_one.exportToWkt(&wkt, options), OGRERR_NONE);
+    vertical_feet.crs = wkt;
+    CPLFree(wkt);
+    const std::string metre = "LENGTHUNIT[\"metre\",1";
+    vertical_feet.crs.replace(vertical_feet.crs.rfind(metre), metre.size(), "LENGTHUNIT[\"foot\",0.3048");
+    EXPECT_THAT(error_of(vertical_feet), AllOf(HasSubstr("heights in"), HasSubstr("0.3048")));
 
     RasterSpec band_feet;
     band_feet.unit = "ft";

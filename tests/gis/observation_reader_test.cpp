@@ -281,6 +281,63 @@ TEST_F(ObservationReader, ReadsLayersOfAGeoPackage) {
     EXPECT_EQ(o.crossings[0].speed, 6.5);
 }
 
+// A table of a database or a spreadsheet has no points; some rows of a layer may have none either.
+TEST_F(ObservationReader, RecordsWithoutAPointArePlacedByTheirFields) {
+    const std::string file = (folder_ / "obs.gpkg").string();
+    VectorSpec stops;
+    stops.layer = "stopping_points";
+    stops.text_field = "easting_m";
+    stops.number_field = "northing_m";
+    stops.rows = {{"", "900010", 6400020.0}, {"POINT (900011 6400021)", "", std::nullopt}, {"", "", std::nullopt}};
+    write_vector(file, stops);
+    const auto o = read(file);
+    ASSERT_EQ(o.stops.size(), 3U);
+    EXPECT_EQ(o.stops[0].position.head<2>(), Vec2(10.0, 20.0));
+    EXPECT_EQ(o.stops[1].position.head<2>(), Vec2(11.0, 21.0));
+    EXPECT_TRUE(std::isnan(o.stops[2].position.x()));
+    EXPECT_THAT(o.warnings, Contains(HasSubstr("names no CRS in a column crs")));
+    stops.rows[0].text = "9e9";
+    write_vector((folder_ / "far.gpkg").string(), stops);
+    EXPECT_THAT(error((folder_ / "far.gpkg").string()), HasSubstr("wholly outside of the terrain"));
+}
+
+TEST_F(ObservationReader, TablesOfAFolderMayBeFilesOfAnyKind) {
+    VectorSpec stops;
+    stops.layer = "whatever";
+    stops.text_field = "block_id";
+    stops.rows = {{"POINT (900010 6400020)", "A", 1.0}};
+    write_vector((folder_ / "stopping_points.gpkg").string(), stops);
+    put("screen_crossings.csv", "screen,block_id,speed_ms\nES1,A,3\n");
+    const auto o = read(folder_.path().string());
+    ASSERT_EQ(o.stops.size(), 1U);
+    EXPECT_EQ(o.stops[0].position.head<2>(), Vec2(10.0, 20.0));
+    EXPECT_EQ(o.crossings.size(), 1U);
+    write_vector((folder_ / "more.gpkg").string(), stops);
+    EXPECT_THAT(read(folder_.path().string()).warnings, Contains(HasSubstr("hold 'more.gpkg', which is not read")));
+    put("stopping_points.csv", "easting_m,northing_m\n900010,6400020\n");
+    EXPECT_THAT(error(folder_.path().string()), HasSubstr("which one counts?"));
+    std::filesystem::remove(folder_ / "stopping_points.csv");
+    write_vector((folder_ / "results.gpkg").string(), stops);
+    EXPECT_THAT(error(folder_.path().string()), HasSubstr("'results.gpkg' and 'stopping_points.gpkg': which one"));
+}
+
+// No block came to a screen: a table with fields and without rows.
+TEST_F(ObservationReader, ALayerMayBeEmpty) {
+    const std::string file = (folder_ / "obs.gpkg").string();
+    VectorSpec spec;
+    spec.layer = "stopping_points";
+    spec.text_field = "block_id";
+    spec.rows = {{"POINT (900010 6400020)", "A", 1.0}};
+    write_vector(file, spec);
+    spec.layer = "screen_crossings";
+    spec.text_field = "screen";
+    spec.rows = {};
+    write_vector(file, spec, true);
+    const auto o = read(file);
+    EXPECT_EQ(o.stops.size(), 1U);
+    EXPECT_TRUE(o.crossings.empty());
+}
+
 TEST_F(ObservationReader, TransformsFromAnyCrsAndSaysSo) {
     // gdaltransform: EPSG:2154 (900010, 6400020) is 5.523806636 E 44.670519183 N; the ninth decimal is 0.1 mm
     const auto earth = read(put("earth.csv", "longitude_deg,latitude_deg\n5.523806636,44.670519183\n"));

@@ -85,7 +85,7 @@ struct BlockResult {
     bool done = false;  ///< false if the campaign was stopped before its turn
     StopReason reason = StopReason::Failed;
     std::int64_t row = -1;                 ///< row of the block list, -1 if none [-]
-    std::int64_t feature = 0;              ///< release feature [-]
+    std::int64_t feature = kNoFeature;     ///< release feature; none of a block that was let go at a known place [-]
     double mass = 0.0;                     ///< [kg]
     double mass_left = 0.0;                ///< at the end: less if the block broke [kg]
     Vec3 size = Vec3::Zero();              ///< L1, L2, L3 [m]

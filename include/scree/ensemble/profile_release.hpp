@@ -39,7 +39,7 @@ public:
     };
     Place draw(std::uint64_t seed, std::uint64_t block) const;
 
-    /// Foot of a point on the nearest profile, of no feature (-1); none where every profile is farther than `farthest` [m].
+    /// Foot of a point on the nearest profile, of no feature; none where every profile is farther than `farthest` [m].
     static std::optional<Place> foot(const Vec2& point, std::span<const Profile> profiles, double farthest);
 
     /// Features with a geometry that release nothing.

@@ -43,6 +43,9 @@ struct Field {
     std::string alias;  ///< what people read, with the unit: "Kinetic energy [kJ]"
 };
 
+/// Stands for the number of a feature where there is none.
+inline constexpr std::int64_t kNoFeature = -1;
+
 struct Feature {
     std::int64_t id = 0;  ///< feature id in the source, or its number in the output
     Geometry geometry;
