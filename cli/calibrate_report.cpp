@@ -118,10 +118,10 @@ std::string held_out_remark(const std::string& what) {
 std::vector<std::string> calibration_remarks(const CalibrationReport& r) {
     std::vector<std::string> remarks;
     const std::vector<CalibrationParameter>& p = r.keys.problem.parameters;
-    if (const std::string lost = lost_text(r.after_study); !lost.empty())
-        remarks.push_back("of the calibrated model " + lost +
-                          "; what was fitted is where they were lost, if they are many: lengthen the terrain or the "
-                          "profile, or raise model.time_limit");
+    if (many_lost(r.after_study))
+        remarks.push_back("of the calibrated model " + lost_text(r.after_study) +
+                          "; that is what was fitted: enlarge the terrain, lengthen the profile or raise "
+                          "model.time_limit");
     std::string unknown;
     for (std::size_t i = 0; i < p.size(); ++i) {
         const ParameterEstimate& e = r.result.parameters[i];

@@ -173,6 +173,10 @@ std::string lost_text(const CompareStudy& study) {
     return text;
 }
 
+bool many_lost(const CompareStudy& study) {
+    return 100 * (study.lost + study.failed) > study.released;
+}
+
 CompareStudy make_study(const SiteFile& site, const SiteModel& model, const ObservedSite& observed,
                         const CampaignResult& campaign) {
     CompareStudy study;

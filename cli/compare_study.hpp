@@ -50,12 +50,11 @@ struct ComparedObservable {
 struct CompareStudy {
     std::string title;
     std::int64_t seed = 0;
-    std::int64_t repeats = 0;  ///< of matched blocks [-]
-    std::size_t blocks = 0;    ///< measured [-]
-    std::int64_t
-        released = 0,
-        lost = 0,
-        failed = 0;  ///< simulated blocks, of these off the terrain or out of time, and computations that failed [-]
+    std::int64_t repeats = 0;   ///< of matched blocks [-]
+    std::size_t blocks = 0;     ///< measured [-]
+    std::int64_t released = 0;  ///< simulated blocks [-]
+    std::int64_t lost = 0;      ///< of these off the terrain or out of time [-]
+    std::int64_t failed = 0;    ///< of these whose computation failed [-]
     std::vector<ComparedObservable> observables;
     Gap overall;
     std::optional<Gap> overall_score;
@@ -68,6 +67,8 @@ struct CompareStudy {
 
 /// Of simulated blocks whose end nobody knows: a sentence without its full stop, empty if there are none.
 std::string lost_text(const CompareStudy& study);
+/// More than one in a hundred, which may matter where it is not the first thing to look at.
+bool many_lost(const CompareStudy& study);
 
 CompareStudy make_study(const SiteFile& site, const SiteModel& model, const ObservedSite& observed,
                         const CampaignResult& campaign);

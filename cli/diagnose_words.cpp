@@ -436,8 +436,7 @@ static std::string sideways_remark(const DiagnoseStudy& study) {
 
 std::vector<std::string> diagnose_remarks(const DiagnoseStudy& study) {
     std::vector<std::string> remarks;
-    if (const std::string lost = lost_text(study.before); !lost.empty())
-        remarks.push_back("of the calibrated model " + lost);
+    if (many_lost(study.before)) remarks.push_back("of the calibrated model " + lost_text(study.before));
     const auto& parameters = study.keys.problem.parameters;
     for (std::size_t i = 0; i < study.baseline.result.parameters.size() && !study.planning; ++i) {
         const ParameterEstimate& e = study.baseline.result.parameters[i];

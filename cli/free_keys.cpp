@@ -62,7 +62,7 @@ bool find_key(const SiteFile& site, const std::string& name, KnownKey& found) {
     return !found.values.empty();
 }
 
-/// What a name could have meant: "; soils are soil.NAME.key, with the names rock and scree".
+/// What a name could have meant: "; write soil.NAME.key, where NAME is one of rock, scree".
 std::string there_are(const SiteFile& site, const std::string& name) {
     const bool effect = name.starts_with("effect.");
     if (!effect && !name.starts_with("soil.")) return {};

@@ -262,7 +262,7 @@ RecordTable read_layer_records(const std::string& file, const std::string& layer
     if (data.layer.kind != GeometryKind::None)
         table.source += words(", ", data.report.crs_name.empty() ? "unknown CRS" : data.report.crs_name,
                               operation_text(data.report.operation, data.report.accuracy));
-    TablePositions(table, frame, extent).fill();
+    if (kind != kSharesTable || data.layer.kind == GeometryKind::None) TablePositions(table, frame, extent).fill();
     return table;
 }
 
