@@ -81,8 +81,7 @@ struct Hypothesis {
     double q = kInfinity;      ///< what is left [-]
     double q_deviation = 0.0;  ///< of that, as simulations scatter [-]
     double p = 0.0;
-    bool from_given = false;  ///< followed from the parameters that the site was given
-    bool raced = false;       ///< q and p are those of a close race
+    bool raced = false;  ///< q and p are those of a close race
     /// Other forms of the effect that were followed, with the logarithms of their weights: what they say for it counts as well.
     std::map<std::size_t, double> other_forms;
 };

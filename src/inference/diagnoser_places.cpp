@@ -164,7 +164,6 @@ bool Diagnoser::find_place_from(const Pursuit& p, std::size_t fingerprint, std::
     const auto at = static_cast<Eigen::Index>(best.front());
     found = unfollowed(fingerprint);
     found->parameters = p.best.parameters;
-    found->from_given = p.best.from_given;
     found->on = stretches.places[best.front()];
     found->strength = std::min(seen.z[at] / std::max(seen.visibility[at], 1e-9), most_of(fingerprint));
     found->place_spread = spread_of(best.front(), stretches.places, seen.z);

@@ -61,7 +61,6 @@ std::optional<std::vector<Hypothesis>> Diagnoser::strong_finalists() {
         if (!visible(k, score) || scanned_of[effect] == kScannedOfOne) continue;
         ++scanned_of[effect];
         Hypothesis best = unfollowed(k);
-        best.from_given = true;
         const double most = most_of(k);
         for (double strength = std::min(1.0, most);; strength = std::min(kGrow * strength, most)) {
             const std::optional<double> q = left_at(strength, k);
