@@ -131,11 +131,15 @@ public:
     void fill() {
         const bool map = table_.has("easting_m") || table_.has("northing_m");
         const bool earth = table_.has("longitude_deg") || table_.has("latitude_deg");
-        const auto placed = static_cast<std::size_t>(
-            std::count_if(table_.records.begin(), table_.records.end(), &TablePositions::is_placed));
-        if (placed > 0 && placed == table_.records.size()) return;
+        const bool any = std::any_of(table_.records.begin(), table_.records.end(), &TablePositions::is_placed);
+        const auto is_told = [&](const RecordTable::Record& record) {
+            return !is_placed(record) &&
+                   !(table_.text(record, "easting_m") + table_.text(record, "longitude_deg")).empty();
+        };
+        // of a layer with points fields may say the same once more, and nothing where a block was not found
+        if (any && std::none_of(table_.records.begin(), table_.records.end(), is_told)) return;
         if (!map && !earth) {
-            if (placed == 0) table_.source += " without positions";
+            table_.source += " without positions";
             return;
         }
         if (map && earth)

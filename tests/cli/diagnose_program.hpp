@@ -26,7 +26,7 @@ inline std::filesystem::path quarry_field_test(const std::filesystem::path& fold
 }
 
 /// The same with an effect that the model lacks: FOLDER/site.toml, thrown in FOLDER/field. With so few blocks not every test is told right: where a verdict is
-/// the matter, the seed is one of those that lead to it, two to five of six.
+/// the matter, the seed is one of those that lead to it, one to three of six.
 inline void quarry_field_test_with(const TempDir& folder, const std::string& effect, int blocks, int dimension = 2,
                                    int seed = 5) {
     std::string text = text_of(quarry_a() / "site.toml");

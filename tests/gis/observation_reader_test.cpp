@@ -296,7 +296,12 @@ TEST_F(ObservationReader, RecordsWithoutAPointArePlacedByTheirFields) {
     EXPECT_EQ(o.stops[1].position.head<2>(), Vec2(11.0, 21.0));
     EXPECT_TRUE(std::isnan(o.stops[2].position.x()));
     EXPECT_THAT(o.warnings, Contains(HasSubstr("names no CRS in a column crs")));
-    stops.rows[0].text = "9e9";
+    stops.rows = {{"POINT (900011 6400021)", "900099", 6400099.0}, {"", "", std::nullopt}};
+    write_vector((folder_ / "both.gpkg").string(), stops);
+    const auto both = read((folder_ / "both.gpkg").string());
+    EXPECT_EQ(both.stops.at(0).position.head<2>(), Vec2(11.0, 21.0)) << "the point counts";
+    EXPECT_THAT(both.warnings, IsEmpty()) << "nothing had to be taken from fields";
+    stops.rows = {{"", "9e9", 6400020.0}};
     write_vector((folder_ / "far.gpkg").string(), stops);
     EXPECT_THAT(error((folder_ / "far.gpkg").string()), HasSubstr("wholly outside of the terrain"));
 }
