@@ -5,6 +5,7 @@
 #include "cli/settings.hpp"
 #include "cli/text.hpp"
 #include "gis/dataset.hpp"
+#include "gis/observation_reader.hpp"
 
 #include <sstream>
 
@@ -25,6 +26,15 @@ std::string without_folders(std::string warning, const SiteFile& site, const std
     for (const gis::InputFile& file : files) shorten(file.path);
     shorten(site.file.string());
     return warning;
+}
+
+/// How many blocks passed each screen, also where none did.
+void add_passages(std::vector<gis::ProvenanceEntry>& account, const SiteModel& model, const CampaignResult& result) {
+    const std::vector<Screen>& screens = model.campaign.screens;
+    std::vector<std::int64_t> passed(screens.size());
+    for (const ScreenCrossing& c : result.crossings) ++passed[static_cast<std::size_t>(c.screen)];
+    for (std::size_t k = 0; k < screens.size(); ++k)
+        if (screens[k].part_of < 0) account.push_back({gis::kPassedKey + screens[k].name, std::to_string(passed[k])});
 }
 
 }  // namespace
@@ -58,6 +68,7 @@ std::vector<gis::ProvenanceEntry> provenance(const SiteFile& site, const SiteMod
     p.push_back({"interrupted", result.interrupted ? "true: " + std::to_string(result.released) + " of " +
                                                          std::to_string(site.settings.releases.count) + " blocks"
                                                    : "false"});
+    add_passages(p, model, result);
     const TrajectoryCounters& c = result.counters;
     p.push_back({"contact_problems", std::to_string(c.contact_problems)});
     p.push_back({"contact_problems_above_tolerance", std::to_string(c.unconverged_problems)});

@@ -421,6 +421,10 @@ private:
             else if (!result_.op.is_watched(screen))
                 result_.op.watched.push_back(screen);
         }
+        for (const std::string& name : records_.screens) {  // what a simulation passed is known
+            const std::int32_t screen = find_name(result_.op.screens, name);
+            if (screen >= 0 && !result_.op.is_watched(screen)) result_.op.watched.push_back(screen);
+        }
         std::vector<std::string> names(result_.op.screens.begin(),
                                        result_.op.screens.end() - static_cast<std::ptrdiff_t>(2 * result_.op.impacts));
         report_unknown("watched", "screens (observed.watched)", "screens", unknown, names);

@@ -232,6 +232,20 @@ void warn_of_unread_tables(const std::string& place, const std::vector<std::stri
             words("The observations '", place, "' hold ", names, ", which is not read; ", what_is_read()));
 }
 
+/// What results of Scree say of their run.
+void add_run(const RecordTable& run, const std::string& file, ObservationRecords& records) {
+    for (const RecordTable::Record& r : run.records) {
+        const std::string key = run.text(r, "key"), value = run.text(r, "value");
+        if (key == "seed") records.seed = value;
+        if (key.starts_with(kPassedKey)) records.screens.push_back(key.substr(kPassedKey.size()));
+        if (key != "interrupted" || value == "false") continue;
+        const auto done = value.find(": ");
+        records.warnings.push_back(words("The results '", file, "' are those of a run that was interrupted (",
+                                         done == std::string::npos ? value : value.substr(done + 2),
+                                         "); run it to its end if they are to stand for all blocks."));
+    }
+}
+
 void add_vector_file(const std::string& file, const LocalFrame& frame, const Box2& extent,
                      ObservationRecords& records) {
     const std::vector<std::string> layers = layer_names(file, "observations");
@@ -251,11 +265,7 @@ void add_vector_file(const std::string& file, const LocalFrame& frame, const Box
         throw InputError(words("The observations '", file, "' have no layer that is known, only ",
                                names.empty() ? "none" : names, "; ", what_is_read()));
     }
-    if (of_scree) {
-        const RecordTable run = read_layer_records(file, "run", "run", frame, extent);
-        for (const RecordTable::Record& r : run.records)
-            if (run.text(r, "key") == "seed") records.seed = run.text(r, "value");
-    }
+    if (of_scree) add_run(read_layer_records(file, "run", "run", frame, extent), file, records);
     records.files.push_back(file);
 }
 

@@ -84,8 +84,9 @@ struct ObservationRecords {
     std::vector<ImpactRecord> impacts;
     std::vector<ShareRecord> shares;
     std::vector<ReleaseRecord> releases;
-    std::vector<std::string> files;  ///< as opened
-    std::string seed;                ///< of the run whose results these are; empty: none of Scree's
+    std::vector<std::string> files;    ///< as opened
+    std::string seed;                  ///< of the run whose results these are; empty: none of Scree's
+    std::vector<std::string> screens;  ///< of that run: no block passed those that no crossing names
     std::vector<std::string>
         sources;  ///< a line for people per table or layer read: what, how many, CRS, transformation
     std::vector<std::string> warnings;
@@ -97,6 +98,9 @@ inline constexpr const char* kCrossingsTable = "screen_crossings";
 inline constexpr const char* kImpactsTable = "impacts";
 inline constexpr const char* kSharesTable = "deposit_zones";
 inline constexpr const char* kReleasesTable = "release_points";
+
+/// Entries of the table `run` of results: this and the name of a screen, how many blocks passed it.
+inline const std::string kPassedKey = "passed ";
 
 /// Reads measurements from a GeoPackage (or any vector file with layers of these names), a folder of tables, one table, or a folder of results
 /// of Scree, into the local frame of a terrain that covers `extent`. Positions are transformed with PROJ's most accurate operation, which

@@ -9,6 +9,7 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
+#include <map>
 #include <regex>
 #include <set>
 
@@ -539,6 +540,22 @@ TEST(Compare, NobodyPassedAWatchedScreenWithoutRows) {
     EXPECT_NE(unknown.code, 0);
     EXPECT_THAT(unknown.err + unknown.out,
                 HasSubstr("the observations name screens (observed.watched) that the site does not have (ES9)"));
+}
+
+// Results of a run know of every screen of it who passed.
+TEST(Compare, NobodyPassedAScreenOfARunWithoutCrossingsThere) {
+    const TempDir folder;
+    const fs::path observed =
+        field_test(folder, {"--set", "soil.loose waste.rolling=2", "--set", "soil.compact waste.rolling=2", "--set",
+                            "soil.compact waste.friction=1.5"});
+    ASSERT_EQ(compare(observed, folder / "out").code, 0);
+    std::map<std::string, double> shares;
+    const auto compared = report(folder / "out");
+    for (const auto& observable : compared.at("observables"))
+        if (const std::string name = observable.at("name"); name.starts_with("passing "))
+            shares[name] = observable.at("measured").at("share");
+    EXPECT_GT(shares.at("passing ES1-A"), 0.0);
+    EXPECT_EQ(shares.at("passing ES2-A"), 0.0);
 }
 
 // The site as it is cannot be what was measured; with the calibrated soils and the drag that scree diagnose named it can.

@@ -41,6 +41,11 @@ TEST(Interrupt, WritesWhatWasDoneAndSaysSo) {
                   .find("true: " + std::to_string(stops.size()) + " of " + std::to_string(kManyBlocks) + " blocks"),
               std::string::npos);
     EXPECT_FALSE(read_points(out / "results.gpkg", "release_points").empty());
+
+    const Outcome taken =
+        scree_program({"compare", (quarry_a() / "site.toml").string(), "--observed", out.string(), "--output",
+                       (folder / "compared").string(), "--set", "observed.repeats=5", "--set", "observed.draws=100"});
+    EXPECT_THAT(taken.err + taken.out, HasSubstr("are those of a run that was interrupted ("));
 }
 
 // Who asks for a new result in the place of an old one has not asked for a part of it.
