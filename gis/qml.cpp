@@ -80,7 +80,8 @@ SymbolParts marker_parts(const VectorStyle& style, const std::string& colour, co
             option("name", marker) + option("color", rgba(colour, 255)) + option("size", number_text(style.size_mm)) +
                 option("size_unit", "MM") + option("outline_style", "solid") +
                 option("outline_color", strokes ? rgba(colour, 255) : "30,30,30,160") +
-                option("outline_width", strokes ? "0.5" : "0.1") + option("outline_width_unit", "MM"),
+                option("outline_width", strokes ? "0.5" : number_text(style.outline_mm)) +
+                option("outline_width_unit", "MM"),
             style.opacity};
 }
 

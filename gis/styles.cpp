@@ -205,13 +205,19 @@ std::vector<VectorStyle> house_styles(const FeatureLayer& layer) {
     if (name == "trajectories") return line_styles(layer);
     if (name == "deposit_zones") return deposit_zone_styles(layer);
     if (name == "facets") return facet_styles(layer);
-    if (name == "screens") return {{.colour = "#d55e00", .size_mm = 0.8}};
+    if (name == "observed_stops")
+        return {{.colour = "#ffffff", .marker = "diamond", .size_mm = 3.0, .outline_mm = 0.5}};
+    if (name == "screens" || name == "screens_3d") return {{.colour = "#d55e00", .size_mm = 0.8}};
     if (name == "screen_crossings") return {{.colour = "#d55e00", .marker = "diamond", .size_mm = 1.4, .opacity = 0.7}};
     if (name == "impacts") return {{.colour = "#882255", .marker = "cross", .size_mm = 1.2, .opacity = 0.7}};
     if (name == "release_points") return {{.colour = "#cc3311", .marker = "triangle", .size_mm = 1.4, .opacity = 0.8}};
     if (name == "release_zones") return {{.colour = "#cc3311", .size_mm = 0.4, .opacity = 0.0, .dashed = true}};
     if (name == "profiles") return {{.colour = "#000000", .size_mm = 0.5, .dashed = true}};
     if (name == "soil_zones") return {{.colour = "#8c6d31", .size_mm = 0.3, .opacity = 0.25}};
+    if (name.starts_with("effect_zone")) return {{.colour = "#882255", .size_mm = 0.6, .opacity = 0.0, .dashed = true}};
+    // what is below an area must stay readable
+    if (layer.kind == GeometryKind::Polygon) return {{.size_mm = 0.4, .opacity = 0.0}};
+    if (layer.kind == GeometryKind::LineString) return {{.size_mm = 0.5}};
     return {VectorStyle{}};
 }
 

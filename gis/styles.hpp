@@ -44,14 +44,14 @@ struct VectorStyle {
     std::string unit{};             ///< unit behind the classes' limits in the legend
     std::string marker = "circle";  ///< for points
     double size_mm = 2.0;           ///< diameter of points, width of lines and outlines on the map [mm]
+    double outline_mm = 0.1;        ///< width of the outline of points on the map [mm]
     double opacity = 1.0;           ///< of the fill of polygons (0: only the outline), of points and lines [-]
     bool dashed = false;            ///< lines and outlines
     std::string label{};            ///< QGIS expression written beside each feature; empty: none
 };
 
-/// The house style of the layers that results are made of (stopping_points, trajectories, screens, screen_crossings, impacts,
-/// release_points, release_zones, deposit_zones, profiles, soil_zones, facets), chosen by the layer's name and the fields it
-/// has; the first one is the default. Layers of other names get one colour.
+/// The house style of the layers that results are made of, chosen by the layer's name and the fields it has; the first one is the default.
+/// Layers of other names get one colour, areas an outline.
 std::vector<VectorStyle> house_styles(const FeatureLayer& layer);
 
 /// Colour of place `index` among `count` classes, light to dark, "#rrggbb".

@@ -91,6 +91,21 @@ TEST(Styles, HouseStylesFollowTheFields) {
     EXPECT_THAT(styles[0].colour_by, IsEmpty());
 }
 
+// What was measured lies among simulated stops of many colours, what is an input over rasters.
+TEST(Styles, MeasuredStopsStandOutAndAreasHideNothing) {
+    FeatureLayer layer;
+    layer.kind = GeometryKind::Point;
+    layer.name = "observed_stops";
+    const VectorStyle measured = house_styles(layer).front(), simulated = house_styles(stopping_points().data).front();
+    EXPECT_NE(measured.marker, simulated.marker);
+    EXPECT_GT(measured.size_mm, simulated.size_mm);
+    layer.kind = GeometryKind::Polygon;
+    for (const char* name : {"effect_zone", "effect_zone_2", "release", "release_zones", "profile_starts"}) {
+        layer.name = name;
+        EXPECT_EQ(house_styles(layer).front().opacity, 0.0) << name;
+    }
+}
+
 TEST(Qml, ClassesOfAVectorLayerCoverAllValuesAndCarryTheUnit) {
     const VectorLayer layer = stopping_points();
     ValueRange range;
