@@ -6,6 +6,7 @@
 #include "cli/site_model.hpp"
 #include "cli/terrain_layers.hpp"
 #include "gis/results_writer.hpp"
+#include "gis/vector_reader.hpp"
 #include "scree/base/units.hpp"
 
 #include <cmath>
@@ -15,6 +16,8 @@
 namespace scree::cli {
 
 namespace {
+
+constexpr double kSoilOpacity = 0.4;  ///< of areas by soil: the relief shows through [-]
 
 double slope_deg(const Vec3& normal) {
     return degrees_from_radians(std::acos(std::min(1.0, normal.z())));
@@ -32,6 +35,11 @@ gis::VectorLayer facets_layer(const SiteTerrain& terrain) {
     layer.data.fields = {{"facet", FieldType::Integer, "Facet number"},
                          {"soil", FieldType::Text, "Soil"},
                          {"slope_deg", FieldType::Real, "Slope [deg]"}};
+    layer.styles = gis::house_styles(layer.data);
+    gis::VectorStyle by_soil = soil_style(terrain, "soil");
+    by_soil.size_mm = 0.05;
+    by_soil.opacity = kSoilOpacity;
+    layer.styles.push_back(by_soil);
     layer.next = [&terrain, f = std::int64_t{0}](Feature& feature) mutable {
         std::array<Vec3, 3> c;
         SoilId soil = 0;
@@ -43,6 +51,17 @@ gis::VectorLayer facets_layer(const SiteTerrain& terrain) {
         ++f;
         return true;
     };
+    return layer;
+}
+
+gis::VectorLayer zones_layer(const SiteFile& site, const SiteTerrain& terrain) {
+    const VectorInput& input = site.settings.zones;
+    const gis::VectorData zones = read_site_layer(site, input, "soil zones", {GeometryKind::Polygon}, terrain);
+    gis::VectorLayer layer = input_layer(zones, "soil_zones", "Soil zones", "");
+    gis::VectorStyle by_soil = soil_style(terrain, layer.data.fields[gis::field_index(zones, input.field)].name);
+    by_soil.size_mm = 0.3;
+    by_soil.opacity = kSoilOpacity;
+    layer.styles = {by_soil};
     return layer;
 }
 
@@ -84,10 +103,7 @@ ExitCode run_terrain(const Context& context) {
     package.frame = terrain.data.frame;
     package.title = site.settings.name + ": terrain";
     package.vectors.push_back(facets_layer(terrain));
-    if (!site.settings.zones.file.empty())
-        package.vectors.push_back(
-            input_layer(read_site_layer(site, site.settings.zones, "soil zones", {GeometryKind::Polygon}, terrain),
-                        "soil_zones", "Soil zones", ""));
+    if (!site.settings.zones.file.empty()) package.vectors.push_back(zones_layer(site, terrain));
     package.rasters = {slope_layer(terrain), heights_layer(terrain)};
     package.provenance = {
         {"program", "scree " + version()}, {"site", site.settings.name}, {"surface", terrain.surface_report}};

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "cli/profile_layers.hpp"
 
+#include "cli/terrain_layers.hpp"
 #include "cli/text.hpp"
 #include "gis/words.hpp"
 #include "scree/base/units.hpp"
@@ -109,9 +110,8 @@ gis::VectorLayer reaches(const SiteProfiles& profiles, const SiteTerrain& terrai
             from = to;
         }
     }
-    gis::VectorStyle style{.name = "By soil", .colour_by = "soil", .size_mm = 1.2};
-    for (std::size_t soil = 0; soil < soils.size(); ++soil)
-        style.categories.push_back({soils[soil], soils[soil], gis::category_colour(soil)});
+    gis::VectorStyle style = soil_style(terrain, "soil");
+    style.size_mm = 1.2;
     layer.styles = {style};
     return layer;
 }

@@ -26,4 +26,12 @@ gis::RasterLayer heights_layer(const SiteTerrain& terrain) {
     return layer;
 }
 
+gis::VectorStyle soil_style(const SiteTerrain& terrain, const std::string& field) {
+    gis::VectorStyle style{.name = "By soil", .colour_by = field};
+    const std::vector<std::string>& soils = terrain.data.soils.soils;
+    for (std::size_t soil = 0; soil < soils.size(); ++soil)
+        style.categories.push_back({soils[soil], soils[soil], gis::category_colour(soil)});
+    return style;
+}
+
 }  // namespace scree::cli

@@ -213,7 +213,6 @@ std::vector<VectorStyle> house_styles(const FeatureLayer& layer) {
     if (name == "release_points") return {{.colour = "#cc3311", .marker = "triangle", .size_mm = 1.4, .opacity = 0.8}};
     if (name == "release_zones") return {{.colour = "#cc3311", .size_mm = 0.4, .opacity = 0.0, .dashed = true}};
     if (name == "profiles") return {{.colour = "#000000", .size_mm = 0.5, .dashed = true}};
-    if (name == "soil_zones") return {{.colour = "#8c6d31", .size_mm = 0.3, .opacity = 0.25}};
     if (name.starts_with("effect_zone")) return {{.colour = "#882255", .size_mm = 0.6, .opacity = 0.0, .dashed = true}};
     // what is below an area must stay readable
     if (layer.kind == GeometryKind::Polygon) return {{.size_mm = 0.4, .opacity = 0.0}};

@@ -518,6 +518,9 @@ TEST(Terrain, WritesTheModelGround) {
     EXPECT_NEAR(heights.low, 219.0, 1.0);
     EXPECT_NEAR(heights.high, 269.3, 1.0);
     EXPECT_LE(raster_facts(out / "rasters" / "slope_deg.tif").high, 90.0);
+    const std::string project = text_of(out / "results.qgs");  // soils are told apart
+    for (const char* part : {"attr=\"soil\"", "category value=\"loose waste\"", "category value=\"compact waste\""})
+        EXPECT_THAT(project, HasSubstr(part));
     // of a tin they are those of its few facets, which blocks see, and not of the grid that it was made of
     const Outcome few =
         scree_program({"terrain", (quarry_a() / "site.toml").string(), "--output", (folder / "tin").string(), "--set",
