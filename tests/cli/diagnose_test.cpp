@@ -86,6 +86,9 @@ TEST(Diagnose, NamesAFaultOfTheMeasurementAndWritesAllOfIt) {
                              "figures/where_along.svg", "figures/effects.svg", "figures/calibrated_overview.svg",
                              "figures/extended_overview.svg"})
         EXPECT_TRUE(fs::exists(out / name)) << name;
+    const std::string leaves = text_of(out / "figures" / "effects.svg");
+    EXPECT_LT(leaves.find(">speed_error<"), leaves.find(">calibrated model<")) << "first what explains most";
+    EXPECT_NE(leaves.find(">calibrated model<"), std::string::npos);
     EXPECT_FALSE(j.contains("at_screens")) << "a fault of the measurement moves no block";
     EXPECT_FALSE(fs::exists(folder / "out.journal")) << "it has done its work";
     for (const auto& [name, bytes] : contents_of(out)) {
