@@ -103,8 +103,8 @@ protected:
     void change_laws(const State& s) {
         const auto contacts = step_.contacts();
         for (std::size_t c = 0; c < contacts.size(); ++c) {
-            const ContactLaw law =
-                effects_->law(contacts[c], s, std::max(0.0, -step_.normal_velocity(c, s)), soils_[contacts[c].soil]);
+            const ContactSpeed speed{std::max(0.0, -step_.normal_velocity(c, s)), step_.sliding_speed(c, s)};
+            const ContactLaw law = effects_->law(contacts[c], s, speed, soils_[contacts[c].soil]);
             if (std::isfinite(law.restitution) && std::isfinite(law.friction) && std::isfinite(law.rolling))
                 step_.set_law(c, law.restitution, law.friction, law.rolling);
             else

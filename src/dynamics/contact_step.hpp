@@ -9,6 +9,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <optional>
 #include <span>
 #include <utility>
@@ -116,6 +117,14 @@ public:
     /// Normal velocity of contact c [m/s].
     double normal_velocity(std::size_t c, const BlockState<Dim>& state) const {
         return rows_[c * kLocal].velocity(state.velocity, state.spin);
+    }
+
+    /// Speed of contact c along the ground [m/s].
+    double sliding_speed(std::size_t c, const BlockState<Dim>& state) const {
+        double squares = 0.0;
+        for (std::size_t k = 1; k < Dim; ++k)
+            squares += std::pow(rows_[c * kLocal + k].velocity(state.velocity, state.spin), 2);
+        return std::sqrt(squares);
     }
 
     /// Replaces velocity and spin of `state` by those after a step of length h (0: an impact) under `acceleration`.

@@ -20,7 +20,7 @@ HERE = Path(__file__).resolve().parent
 SMALL = ["calibration.screening=6", "calibration.generations=1", "calibration.search_repeats=3", "calibration.surroundings=30", "calibration.repeats=3",
          "calibration.final_repeats=6", "calibration.folds=0", "diagnosis.reference_repeats=20", "diagnosis.repeats=6", "diagnosis.draws=999",
          "diagnosis.finalists=1", "diagnosis.rounds=1", "diagnosis.wide_search=0", "diagnosis.level=0.001",
-         'diagnosis.without=["soil_patch", "low_friction", "forest_drag", "slip_friction", "release_motion", "block_shape", "rolling_speed", "restitution_mass", '
+         'diagnosis.without=["soil_patch", "low_friction", "forest_drag", "slip_friction", "release_motion", "block_shape", "rolling_speed", "friction_speed", "soil_scatter", "restitution_mass", '
          '"restitution_half_speed", "fragmentation", "roughness", "third_dimension"]']
 DRAWN = ["--seed", "smoke", "--count", "40", "--blocks", "14", "--threads", "2", "--search", "none", "--slopes", "development"]
 TRACES = ("own_law", "[[effect]]", "tier", "delta", "laws.so", "truth")

@@ -42,10 +42,12 @@ inline void quarry_field_test_with(const TempDir& folder, const std::string& eff
 /// A catalogue of a few: what takes long to search for is known to be absent.
 inline std::string nothing_but(const std::vector<std::string>& effects) {
     nlohmann::json rest = nlohmann::json::array();
-    for (const char* name : {"soil_patch", "low_friction", "forest_drag", "slip_friction", "rolling_size",
-                             "rolling_speed", "restitution_mass", "restitution_half_speed", "fragmentation",
-                             "release_motion", "block_shape", "roughness", "ground_drag", "third_dimension",
-                             "screen_shift", "slow_missed", "ids_shuffled", "speed_error", "height_datum"})
+    for (const char* name :
+         {"soil_patch",      "low_friction",   "forest_drag",  "slip_friction",    "rolling_size",
+          "rolling_speed",   "friction_speed", "soil_scatter", "restitution_mass", "restitution_half_speed",
+          "fragmentation",   "release_motion", "block_shape",  "roughness",        "ground_drag",
+          "third_dimension", "screen_shift",   "slow_missed",  "ids_shuffled",     "speed_error",
+          "height_datum"})
         if (std::find(effects.begin(), effects.end(), name) == effects.end()) rest.push_back(name);
     return "diagnosis.without=" + rest.dump();
 }

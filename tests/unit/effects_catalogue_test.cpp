@@ -45,7 +45,7 @@ TEST(EffectCatalogue, EveryRowIsComplete) {
     for (std::size_t k = 0; k < kEffectKinds; ++k) {
         const EffectInfo& info = effect_catalogue()[k];
         SCOPED_TRACE(info.name);
-        EXPECT_EQ(static_cast<std::size_t>(info.kind), k);
+        EXPECT_EQ(&effect_info(info.kind), &info);
         EXPECT_TRUE(names.insert(info.name).second);
         EXPECT_EQ(effect_kind(info.name), info.kind);
         for (const char* text : {info.title, info.formula, info.source, info.seen_in})

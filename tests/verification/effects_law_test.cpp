@@ -108,12 +108,41 @@ TYPED_TEST(EffectLaw, SlipFrictionIsForgottenInFlight) {
     auto state = this->ball.at(2.0, 0.0);
     Contact<TestFixture::kDimension> contact;
     contact.arm = -0.5 * this->ball.slope.normal();
-    const auto friction = [&] { return at_work.law(contact, state, 0.0, this->ball.soil).friction; };
+    const auto friction = [&] { return at_work.law(contact, state, {}, this->ball.soil).friction; };
     EXPECT_EQ(friction(), 0.5);
     at_work.moved(state.position - 2.0 * this->ball.slope.down(), 1.0, true, 0.0, state);
     EXPECT_NEAR(friction(), effect_formula::slip_friction(0.5, 2.0, 4.0, 1.0), 1e-12);
     at_work.moved(state.position, 0.3, false, 0.0, state);
     EXPECT_NEAR(friction(), effect_formula::slip_friction(0.5, 2.0 * std::exp(-1.5), 4.0, 1.0), 1e-12);
+}
+
+// A ball that cannot roll slides from rest: dv/dt = A - B / (1 + x) with x = v / w, A = g (sin - limit mu cos), B = g (1 - limit) mu cos, so that
+// t = w (x / A + B / A^2 ln((A (1 + x) - B) / (A - B))). First order in h.
+TYPED_TEST(EffectLaw, FrictionChangesWithTheSpeedOfSliding) {
+    this->ball.slope.angle = 40 * kDegree;
+    this->ball.soil = {"slope", 0.0, 0.6, 10.0};
+    const double w = 3.0;
+    for (const double limit : {0.2, 1.3}) {
+        this->ball.effects = {effect_with(EffectKind::FrictionSpeed, {{"limit", limit}, {"speed", w}})};
+        const double a = g * (std::sin(this->ball.slope.angle) - limit * 0.6 * std::cos(this->ball.slope.angle)),
+                     b = g * (1.0 - limit) * 0.6 * std::cos(this->ball.slope.angle);
+        double errors[2];
+        for (int n = 0; n < 2; ++n) {
+            this->ball.settings.time_step = n == 0 ? 4e-3 : 2e-3;
+            const double x = this->speed_after(0.0, 0.0, false, 2.0) / w;
+            errors[n] = std::abs(w * (x / a + b / (a * a) * std::log((a * (1.0 + x) - b) / (a - b))) - 2.0);
+        }
+        EXPECT_LT(errors[0], 2e-3) << limit;
+        EXPECT_LT(errors[1], 0.6 * errors[0]) << limit;
+    }
+}
+
+// A ball that rolls does not slide: it is held as it is at rest.
+TYPED_TEST(EffectLaw, FrictionOfWhatRollsIsThatAtRest) {
+    this->ball.soil = {"level", 0.0, 0.5, 0.02};
+    const double rolls = this->speed_after(0.0, 5.0, true, 1.0);
+    this->ball.effects = {effect_with(EffectKind::FrictionSpeed, {{"limit", 0.0}, {"speed", 0.5}})};
+    EXPECT_NEAR(this->speed_after(0.0, 5.0, true, 1.0), rolls, kClosedForm);
 }
 
 // On the level dv/dt = -a (1 + (v / v0)^n), a = g mu_r / ((1 + i) R): with n = 1 v + v0 falls exponentially, with n = 2 atan(v / v0) falls evenly. First
@@ -145,6 +174,33 @@ TYPED_TEST(EffectLaw, RollingResistanceDependsOnSize) {
             g * mu_r * std::pow(2.0 * radius, exponent) / ((1.0 + this->ball.roundness()) * radius);
         EXPECT_NEAR(this->speed_after(0.0, 5.0, true, 1.0), 5.0 - deceleration, kClosedForm);
     }
+}
+
+// ln of what a block meets over what the soil has: normal with the given deviations, one number of each block in all its contacts, another of a second entry.
+TYPED_TEST(EffectLaw, EveryBlockMeetsGroundOfItsOwn) {
+    const Soil ground{"ground", 0.3, 0.5, 0.04};
+    const std::vector<Effect> one{
+        effect_with(EffectKind::SoilScatter, {{"rolling", 0.6}, {"friction", -0.3}, {"restitution", 2.0}})};
+    const std::vector<Effect> two{one[0], one[0]};
+    const int count = 4000;
+    double mean = 0.0, square = 0.0, together = 0.0;
+    for (int block = 0; block < count; ++block) {
+        const auto id = static_cast<std::uint64_t>(block);
+        const BlockEffects<TestFixture::kDimension> at_work({one, 3, id}, {1000.0, 1.0}, this->ball.slope, g);
+        const ContactLaw law = at_work.law({}, {}, {}, ground);
+        const double z = std::log(law.rolling / ground.rolling) / 0.6;
+        EXPECT_NEAR(law.friction, ground.friction * std::exp(-0.3 * z), 1e-12);
+        EXPECT_NEAR(law.restitution, std::min(1.0, ground.restitution * std::exp(2.0 * z)), 1e-12);
+        EXPECT_EQ(at_work.law({}, {}, {3.0, 2.0}, ground).rolling, law.rolling);
+        const BlockEffects<TestFixture::kDimension> both({two, 3, id}, {1000.0, 1.0}, this->ball.slope, g);
+        const double other = std::log(both.law({}, {}, {}, ground).rolling / law.rolling) / 0.6;
+        mean += z / count;
+        square += z * z / count;
+        together += z * other / count;
+    }
+    EXPECT_NEAR(mean, 0.0, 4.0 / std::sqrt(count));
+    EXPECT_NEAR(square, 1.0, 4.0 * std::sqrt(2.0 / count));
+    EXPECT_NEAR(together, 0.0, 4.0 / std::sqrt(count));
 }
 
 TYPED_TEST(EffectLaw, LowFrictionIsTheLesserOfTwo) {
@@ -180,7 +236,7 @@ TYPED_TEST(EffectLaw, PatchComesFirst) {
         effect_with(EffectKind::RollingSize, {{"exponent", 1.0}, {"reference_size", 0.5}}),
         effect_with(EffectKind::SoilPatch, {{"rolling", 0.1}})};
     const BlockEffects<TestFixture::kDimension> at_work({effects, 1, 0}, {1000.0, 1.0}, this->ball.slope, g);
-    const ContactLaw law = at_work.law({}, {}, 0.0, {"ground", 0.1, 0.5, 0.04});
+    const ContactLaw law = at_work.law({}, {}, {}, {"ground", 0.1, 0.5, 0.04});
     EXPECT_DOUBLE_EQ(law.rolling, 0.2);
     EXPECT_DOUBLE_EQ(law.restitution, 0.1);
     EXPECT_DOUBLE_EQ(law.friction, 0.5);
@@ -193,9 +249,9 @@ TYPED_TEST(EffectLaw, OneSoilOnly) {
     const BlockEffects<TestFixture::kDimension> at_work({effects, 1, 0}, {1000.0, 1.0}, this->ball.slope, g);
     Contact<TestFixture::kDimension> contact;
     contact.soil = 1;
-    EXPECT_DOUBLE_EQ(at_work.law(contact, {}, 0.0, this->ball.soil).friction, 0.5);
+    EXPECT_DOUBLE_EQ(at_work.law(contact, {}, {}, this->ball.soil).friction, 0.5);
     contact.soil = 2;
-    EXPECT_DOUBLE_EQ(at_work.law(contact, {}, 0.0, this->ball.soil).friction, 0.1);
+    EXPECT_DOUBLE_EQ(at_work.law(contact, {}, {}, this->ball.soil).friction, 0.1);
 }
 
 // ---- roughness -------------------------------------------------------------------------------------------------------------------

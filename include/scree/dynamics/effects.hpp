@@ -22,6 +22,7 @@ namespace scree {
 /// Everything beyond the contact law of Bourrier & Acary (2022) is an effect: named, documented, off unless asked for. The catalogue lists them all; an
 /// Effect is one of them with its parameters and the place where it acts.
 
+/// In the order in which they came: random streams hang on the number of a kind.
 enum class EffectKind : std::uint8_t {
     RestitutionPfeifferBowen,
     RestitutionHalfSpeed,
@@ -50,9 +51,11 @@ enum class EffectKind : std::uint8_t {
     SlowMissed,
     BrokenBlock,
     IdsShuffled,
-    HeightDatum
+    HeightDatum,
+    FrictionSpeed,
+    SoilScatter
 };
-inline constexpr std::size_t kEffectKinds = 28;
+inline constexpr std::size_t kEffectKinds = 30;
 
 /// Where an effect takes hold.
 enum class EffectHook : std::uint8_t {
@@ -107,7 +110,7 @@ struct EffectInfo {
     std::span<const EffectParameter> parameters;
 };
 
-/// All effects, in the order of EffectKind.
+/// All effects, by where they take hold.
 std::span<const EffectInfo> effect_catalogue();
 const EffectInfo& effect_info(EffectKind kind);
 /// A number of the effect; an unknown key is a programmer's mistake.

@@ -68,6 +68,7 @@ BlockEffects<Dim>::BlockEffects(const EffectInput& input, const EffectBody& body
                   effect_stream(input.seed, effect.kind, number[static_cast<std::size_t>(effect.kind)]++, input.block)};
         if (effect.kind == EffectKind::Trees) draw_next_tree(part);
         if (effect.kind == EffectKind::OwnLaw) part.memory = part.random.uniform();
+        if (effect.kind == EffectKind::SoilScatter) part.memory = part.random.normal();
         parts_.push_back(part);
         watches_flight_ = watches_flight_ || info.hook == EffectHook::Force || info.hook == EffectHook::Crossing;
     }
@@ -77,7 +78,7 @@ BlockEffects<Dim>::BlockEffects(const EffectInput& input, const EffectBody& body
 // ---- contact law and impacts -------------------------------------------------------------------------------------------------------
 
 template <int Dim>
-ContactLaw BlockEffects<Dim>::law(const Contact<Dim>& contact, const State& s, double approach,
+ContactLaw BlockEffects<Dim>::law(const Contact<Dim>& contact, const State& s, const ContactSpeed& speed,
                                   const Soil& soil) const {
     ContactLaw law{soil.restitution, soil.friction, soil.rolling};
     for (const Part& p : parts_) {
@@ -91,10 +92,10 @@ ContactLaw BlockEffects<Dim>::law(const Contact<Dim>& contact, const State& s, d
                 if (!std::isnan(v[2])) law.rolling = v[2];
                 break;
             case EffectKind::RestitutionPfeifferBowen:
-                law.restitution = pfeiffer_bowen(law.restitution, approach, v[0]);
+                law.restitution = pfeiffer_bowen(law.restitution, speed.approach, v[0]);
                 break;
             case EffectKind::RestitutionHalfSpeed:
-                law.restitution = half_speed(law.restitution, approach, v[0]);
+                law.restitution = half_speed(law.restitution, speed.approach, v[0]);
                 break;
             case EffectKind::RestitutionMass:
                 law.restitution = restitution_of_mass(law.restitution, body_.mass, v[1], v[0]);
@@ -102,11 +103,19 @@ ContactLaw BlockEffects<Dim>::law(const Contact<Dim>& contact, const State& s, d
             case EffectKind::SlipFriction:
                 law.friction = slip_friction(law.friction, p.memory, v[0], v[1]);
                 break;
+            case EffectKind::FrictionSpeed:
+                law.friction = friction_of_speed(law.friction, speed.sliding, v[0], v[1]);
+                break;
             case EffectKind::RollingSpeed:
                 law.rolling = rolling_of_speed(law.rolling, s.velocity.norm(), v[0], v[1]);
                 break;
             case EffectKind::RollingSize:
                 law.rolling = rolling_of_size(law.rolling, body_.length, v[1], v[0]);
+                break;
+            case EffectKind::SoilScatter:
+                law.rolling *= std::exp(v[0] * p.memory);
+                law.friction *= std::exp(v[1] * p.memory);
+                law.restitution = std::min(1.0, law.restitution * std::exp(v[2] * p.memory));
                 break;
             case EffectKind::LowFriction:
                 law.friction = std::min(law.friction, v[0]);
@@ -115,7 +124,7 @@ ContactLaw BlockEffects<Dim>::law(const Contact<Dim>& contact, const State& s, d
                 if (p.own->contact_law) {
                     scree_contact_state state = contact_state(p, s, s.position + contact.arm);
                     put(contact.normal, state.normal);
-                    state.approach = approach;
+                    state.approach = speed.approach;
                     scree_contact_law_values own{law.restitution, law.friction, law.rolling};
                     p.own->contact_law(&state, &own);
                     law = {clamped(own.restitution, 1.0), clamped(own.friction), clamped(own.rolling)};

@@ -33,6 +33,12 @@ struct ContactLaw {
     double rolling = 0.0;
 };
 
+/// How a contact moves.
+struct ContactSpeed {
+    double approach = 0.0;  ///< normal to the ground, 0 if the contact parts [m/s]
+    double sliding = 0.0;   ///< along the ground [m/s]
+};
+
 /// All effects on the motion of one block, with what they remember of its way. The engine asks; no effect adds energy:
 /// e stays within [0, 1], friction and rolling resistance only dissipate, drag opposes the velocity, crossings scale velocities down.
 template <int Dim>
@@ -48,8 +54,8 @@ public:
 
     // --- contact law and impacts ---
 
-    /// The law at a contact of a block with this state; `approach`: normal speed of the contact towards the ground, 0 if it parts [m/s].
-    ContactLaw law(const Contact<Dim>& contact, const State& s, double approach, const Soil& soil) const;
+    /// The law at a contact of a block with this state.
+    ContactLaw law(const Contact<Dim>& contact, const State& s, const ContactSpeed& speed, const Soil& soil) const;
     /// Turns the normals of an impact; false if it leaves them alone.
     bool tilt(const State& s, std::vector<Contact<Dim>>& contacts);
     /// After an impact: `approach` as it was, one per contact.

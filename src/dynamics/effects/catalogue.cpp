@@ -3,6 +3,7 @@
 #include "scree/base/assert.hpp"
 #include "scree/dynamics/effects.hpp"
 
+#include <array>
 #include <string>
 
 namespace scree {
@@ -34,6 +35,11 @@ constexpr P kSlip[] = {
      "Lu et al. 2019; Leine et al. 2014 use 0.7"},
     {"decay", "1/s", 185.0, 0.1, 1e4, kNo, "beta: how fast the way is forgotten in flight.",
      "Lu et al. 2019; Leine et al. 2014 use 20"}};
+constexpr P kFrictionSpeed[] = {
+    {"limit", "-", 0.3, 0.0, 5.0, 1.0,
+     "Friction at high speed over that at rest. Smaller: what slides fast is hardly held.",
+     "Lucas et al. 2014: 0.13 for landslides of all sizes; 1 to 5 (stronger when fast) chosen"},
+    {"speed", "m/s", 4.0, 0.1, 1e3, kNo, "Sliding speed at which half of the change is reached.", "Lucas et al. 2014"}};
 constexpr P kRollingSpeed[] = {{"speed", "m/s", 5.0, 0.1, 1e6, kInf,
                                 "Speed at which the resistance has doubled. Smaller: fast blocks are slowed.", kChoice},
                                {"exponent", "-", 1.0, 0.5, 3.0, kNo, "How steeply the resistance grows.", kChoice}};
@@ -44,6 +50,11 @@ constexpr P kRollingSize[] = {
      "blocks pass over what stops small ones.",
      kChoice},
     {"reference_size", "m", 1.0, 0.01, 100.0, kNo, "L for which mu_r is that of the soil.", kChoice}};
+constexpr P kSoilScatter[] = {
+    {"rolling", "-", 0.5, -3.0, 3.0, 0.0,
+     "Standard deviation of ln mu_r between blocks. Larger: some blocks go far, others stop early.", kChoice},
+    {"friction", "-", 0.0, -3.0, 3.0, 0.0, "The same of ln mu; of the other sign: low where mu_r is high.", kChoice},
+    {"restitution", "-", 0.0, -3.0, 3.0, 0.0, "The same of ln e.", kChoice}};
 constexpr P kLowFriction[] = {{"friction", "-", 0.2, 0.0, 10.0, kInf,
                                "Largest mu on the layer. Smaller slides farther.",
                                "0.1 to 0.3 for wet, frozen or grassy ground"}};
@@ -145,6 +156,11 @@ constexpr EffectInfo kCatalogue[] = {
      "spin, heights; angular blocks more than round ones",
      "The soil's mu is that of a fresh contact. Limited to a soil it acts there, but the way s counts on every soil.",
      kSlip},
+    {K::FrictionSpeed, "friction_speed", "friction changes with the speed of sliding", H::ContactLaw, kOnGround,
+     "mu' = mu (limit + (1 - limit) / (1 + u / speed)), u the sliding speed of the contact",
+     "Lucas, Mangeney & Ampuero 2014, Frictional velocity-weakening in landslides, Nat Commun 5:3417",
+     "spin and speeds; stops farther or nearer than speeds say",
+     "The soil's mu is that of a contact that does not slide.", kFrictionSpeed},
     {K::RollingSpeed, "rolling_speed", "rolling resistance grows with speed", H::ContactLaw, kOnGround,
      "mu_r' = mu_r (1 + (|v| / speed)^exponent)", "empirical", "speeds and stops; spin separates it from drag",
      "Easily taken for a rounder or sharper shape.", kRollingSpeed},
@@ -152,6 +168,13 @@ constexpr EffectInfo kCatalogue[] = {
      "mu_r' = mu_r (L / reference_size)^exponent, L = (L1 + L2 + L3) / 3",
      "empirical; exponent 1 is geometric similarity", "stops and speeds with masses",
      "Invisible where blocks are not identified.", kRollingSize},
+    {K::SoilScatter, "soil_scatter", "every block meets ground of its own", H::ContactLaw, kOnGround,
+     "mu_r' = mu_r exp(rolling z), mu' = mu exp(friction z), e' = min(1, e exp(restitution z)), z normal of mean 0 and "
+     "variance 1, one for each block",
+     "lognormal; that coefficients are drawn from distributions: Stevens 1998, RocFall (thesis, Univ. of Toronto)",
+     "spread of stops and speeds, and that a block which is slow at one screen is slow at the next",
+     "An entry is one number of each block, for all of its soils; numbers that are independent need an entry each.",
+     kSoilScatter},
     {K::LowFriction, "low_friction", "a wet, frozen or smooth layer", H::ContactLaw, kOnGround,
      "mu' = min(mu, friction)", "Coulomb's law", "spin collapses, stops farther",
      "What comes after it in the site file may raise mu again.", kLowFriction},
@@ -261,6 +284,13 @@ constexpr EffectInfo kCatalogue[] = {
 };
 static_assert(std::size(kCatalogue) == kEffectKinds);
 
+/// Row of each kind.
+constexpr std::array<std::size_t, kEffectKinds> kRow = [] {
+    std::array<std::size_t, kEffectKinds> row{};
+    for (std::size_t k = 0; k < kEffectKinds; ++k) row[static_cast<std::size_t>(kCatalogue[k].kind)] = k;
+    return row;
+}();
+
 }  // namespace
 
 std::span<const EffectInfo> effect_catalogue() {
@@ -268,7 +298,7 @@ std::span<const EffectInfo> effect_catalogue() {
 }
 
 const EffectInfo& effect_info(EffectKind kind) {
-    const EffectInfo& info = kCatalogue[static_cast<std::size_t>(kind)];
+    const EffectInfo& info = kCatalogue[kRow[static_cast<std::size_t>(kind)]];
     SCREE_ASSERT(info.kind == kind);
     return info;
 }

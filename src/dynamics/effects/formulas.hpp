@@ -29,6 +29,11 @@ inline double slip_friction(double friction, double s, double ratio, double grow
     return friction * (1.0 + (ratio - 1.0) * 2.0 / std::numbers::pi * std::atan(growth * s));
 }
 
+/// Lucas et al. 2014 [-]; sliding speed u [m/s].
+inline double friction_of_speed(double friction, double u, double limit, double speed) {
+    return friction * (limit + (1.0 - limit) / (1.0 + u / speed));
+}
+
 /// mu_r (1 + (v / v0)^q) [m]; speed [m/s].
 inline double rolling_of_speed(double rolling, double v, double v0, double exponent) {
     return rolling * (1.0 + std::pow(v / v0, exponent));
