@@ -374,7 +374,9 @@ double DiagnosisVariant::value(double strength) const {
 Effect DiagnosisVariant::at(double strength) const {
     Effect effect = probe ? *probe : make_effect(kind);
     effect.place = place;
-    if (kind == EffectKind::SpeedError) effect.set("bias", 0.0);  // one of its two errors at a time
+    // one of what it may change at a time
+    if (kind == EffectKind::SpeedError) effect.set("bias", 0.0);
+    if (kind == EffectKind::SoilScatter) effect.set("rolling", 0.0);
     effect.set(parameter, value(strength));
     return effect;
 }
