@@ -215,6 +215,16 @@ void require_enough_blocks(const Context& context, const ObservedSite& observed)
                                      "what a larger test would show"));
 }
 
+/// A site for maps throws more blocks than anybody measures.
+void warn_of_large_plan(const Context& context, const ObservedSite& observed) {
+    constexpr std::size_t kLargeTest = 200;  // blocks
+    const std::size_t blocks = side_by_side(observed.observations, observed.op).rows();
+    if (context.plan && blocks > kLargeTest)
+        print_warnings(context, {"this plans a field test of " + std::to_string(blocks) +
+                                 " blocks, as release.count says, and takes hours: --set release.count=50 plans one of "
+                                 "50 in minutes"});
+}
+
 /// Every name is held against a model that was calibrated.
 void require_something_to_fit(const Context& context, const ObservedSite& observed) {
     const std::vector<Observable> all = make_observables(observed.observations, observed.op);
@@ -274,6 +284,7 @@ ExitCode run_diagnose(const Context& context) {
     print_warnings(context, suspicious);
     require_enough_blocks(context, observed);
     require_something_to_fit(context, observed);
+    warn_of_large_plan(context, observed);
     study.inputs = input_lines(model, observed);
     study.distances = observed.axis_text;
     fs::path journal = folder;

@@ -16,6 +16,19 @@ using nlohmann::json;
 using testing::HasSubstr;
 namespace fs = std::filesystem;
 
+// A site for maps throws a thousand: said before hours are spent.
+TEST(Diagnose, SaysThatAPlanOfManyBlocksTakesHours) {
+    const TempDir folder;
+    const auto plan_of = [&](const char* count) {  // ends before anything is simulated: there is nothing to resume
+        const Outcome run = diagnose(folder / "plan", {"--plan", "--resume", "--set", count});
+        EXPECT_NE(run.code, 0);
+        EXPECT_THAT(run.err, HasSubstr("there is no diagnosis to go on with"));
+        return run.err;
+    };
+    EXPECT_THAT(plan_of("release.count=1000"), HasSubstr("a field test of 1000 blocks, as release.count says"));
+    EXPECT_THAT(plan_of("release.count=50"), testing::Not(HasSubstr("takes hours")));
+}
+
 TEST(Diagnose, PlansATestBeforeAnythingIsMeasured) {
     const TempDir folder;
     const fs::path few = folder / "few", more = folder / "more";
