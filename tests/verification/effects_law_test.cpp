@@ -122,8 +122,11 @@ TYPED_TEST(EffectLaw, FrictionChangesWithTheSpeedOfSliding) {
     this->ball.slope.angle = 40 * kDegree;
     this->ball.soil = {"slope", 0.0, 0.6, 10.0};
     const double w = 3.0;
-    for (const double limit : {0.2, 1.3}) {
-        this->ball.effects = {effect_with(EffectKind::FrictionSpeed, {{"limit", limit}, {"speed", w}})};
+    // what only slides is as fast as its contact
+    for (const auto& [kind, limit] :
+         {std::pair{EffectKind::FrictionSpeed, 0.2}, std::pair{EffectKind::FrictionSpeed, 1.3},
+          std::pair{EffectKind::FrictionBlockSpeed, 0.2}}) {
+        this->ball.effects = {effect_with(kind, {{"limit", limit}, {"speed", w}})};
         const double a = g * (std::sin(this->ball.slope.angle) - limit * 0.6 * std::cos(this->ball.slope.angle)),
                      b = g * (1.0 - limit) * 0.6 * std::cos(this->ball.slope.angle);
         double errors[2];
@@ -143,6 +146,23 @@ TYPED_TEST(EffectLaw, FrictionOfWhatRollsIsThatAtRest) {
     const double rolls = this->speed_after(0.0, 5.0, true, 1.0);
     this->ball.effects = {effect_with(EffectKind::FrictionSpeed, {{"limit", 0.0}, {"speed", 0.5}})};
     EXPECT_NEAR(this->speed_after(0.0, 5.0, true, 1.0), rolls, kClosedForm);
+}
+
+// A ball rolls down while mu > tan / (1 + 1 / i), i the share of its moment in m R^2: with mu that falls with its own speed it begins to slip when it is fast.
+TYPED_TEST(EffectLaw, FrictionUnderFastBlocksLetsThemSlip) {
+    this->ball.slope.angle = 30 * kDegree;
+    this->ball.soil = {"slope", 0.0, 0.6, 0.0};
+    const auto rolls_after = [&](double time) {
+        const auto end = this->ball.run(this->ball.sliding(0.0, 0.0, true), time);
+        return end.state.spin.norm() * this->ball.radius / end.state.velocity.norm();
+    };
+    EXPECT_NEAR(rolls_after(2.0), 1.0, 1e-6);
+    this->ball.effects = {effect_with(EffectKind::FrictionBlockSpeed, {{"limit", 0.0}, {"speed", 4.0}})};
+    const double needed = std::tan(this->ball.slope.angle) / (1.0 + 1.0 / this->ball.roundness());
+    const double fastest = 4.0 * (0.6 / needed - 1.0);  // up to which it rolls
+    const double rate = g * std::sin(this->ball.slope.angle) / (1.0 + this->ball.roundness());
+    EXPECT_NEAR(rolls_after(0.95 * fastest / rate), 1.0, 1e-6);
+    EXPECT_LT(rolls_after(1.5 * fastest / rate), 0.99);
 }
 
 // On the level dv/dt = -a (1 + (v / v0)^n), a = g mu_r / ((1 + i) R): with n = 1 v + v0 falls exponentially, with n = 2 atan(v / v0) falls evenly. First

@@ -53,9 +53,10 @@ enum class EffectKind : std::uint8_t {
     IdsShuffled,
     HeightDatum,
     FrictionSpeed,
-    SoilScatter
+    SoilScatter,
+    FrictionBlockSpeed
 };
-inline constexpr std::size_t kEffectKinds = 30;
+inline constexpr std::size_t kEffectKinds = 31;
 
 /// Where an effect takes hold.
 enum class EffectHook : std::uint8_t {

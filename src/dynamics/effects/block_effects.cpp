@@ -106,6 +106,9 @@ ContactLaw BlockEffects<Dim>::law(const Contact<Dim>& contact, const State& s, c
             case EffectKind::FrictionSpeed:
                 law.friction = friction_of_speed(law.friction, speed.sliding, v[0], v[1]);
                 break;
+            case EffectKind::FrictionBlockSpeed:
+                law.friction = friction_of_speed(law.friction, s.velocity.norm(), v[0], v[1]);
+                break;
             case EffectKind::RollingSpeed:
                 law.rolling = rolling_of_speed(law.rolling, s.velocity.norm(), v[0], v[1]);
                 break;

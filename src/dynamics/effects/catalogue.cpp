@@ -40,6 +40,10 @@ constexpr P kFrictionSpeed[] = {
      "Friction at high speed over that at rest. Smaller: what slides fast is hardly held.",
      "Lucas et al. 2014: 0.13 for landslides of all sizes; 1 to 5 (stronger when fast) chosen"},
     {"speed", "m/s", 4.0, 0.1, 1e3, kNo, "Sliding speed at which half of the change is reached.", "Lucas et al. 2014"}};
+constexpr P kFrictionBlockSpeed[] = {
+    {"limit", "-", 0.3, 0.0, 5.0, 1.0, "Friction of a fast block over that of a slow one. Smaller: fast blocks slip.",
+     kChoice},
+    {"speed", "m/s", 4.0, 0.1, 1e3, kNo, "Speed of the block at which half of the change is reached.", kChoice}};
 constexpr P kRollingSpeed[] = {{"speed", "m/s", 5.0, 0.1, 1e6, kInf,
                                 "Speed at which the resistance has doubled. Smaller: fast blocks are slowed.", kChoice},
                                {"exponent", "-", 1.0, 0.5, 3.0, kNo, "How steeply the resistance grows.", kChoice}};
@@ -161,6 +165,11 @@ constexpr EffectInfo kCatalogue[] = {
      "Lucas, Mangeney & Ampuero 2014, Frictional velocity-weakening in landslides, Nat Commun 5:3417",
      "spin and speeds; stops farther or nearer than speeds say",
      "The soil's mu is that of a contact that does not slide.", kFrictionSpeed},
+    {K::FrictionBlockSpeed, "friction_block_speed", "friction changes with the speed of the block", H::ContactLaw,
+     kOnGround, "mu' = mu (limit + (1 - limit) / (1 + |v| / speed)), v the velocity of the centre of mass",
+     "empirical: the form of friction_speed", "spin and speeds; stops farther or nearer than speeds say",
+     "Ground that gives way under what is fast, whether it slides or rolls; what slides alone: friction_speed.",
+     kFrictionBlockSpeed},
     {K::RollingSpeed, "rolling_speed", "rolling resistance grows with speed", H::ContactLaw, kOnGround,
      "mu_r' = mu_r (1 + (|v| / speed)^exponent)", "empirical", "speeds and stops; spin separates it from drag",
      "Easily taken for a rounder or sharper shape.", kRollingSpeed},

@@ -29,7 +29,7 @@ inline double slip_friction(double friction, double s, double ratio, double grow
     return friction * (1.0 + (ratio - 1.0) * 2.0 / std::numbers::pi * std::atan(growth * s));
 }
 
-/// Lucas et al. 2014 [-]; sliding speed u [m/s].
+/// Lucas et al. 2014 [-]; u: sliding speed, or that of the block [m/s].
 inline double friction_of_speed(double friction, double u, double limit, double speed) {
     return friction * (limit + (1.0 - limit) / (1.0 + u / speed));
 }
