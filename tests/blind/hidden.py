@@ -28,6 +28,8 @@ SAME_FORMULA = {
     "trees": (["forest_drag"], 200.0, 1900.0, lambda q, at: entry("trees", density=q)),
     "release_motion": (["release_motion"], 2.0, 6.4, lambda q, at: entry("release_motion", speed=q)),
     "fragmentation": (["fragmentation"], 0.1, 0.3, lambda q, at: entry("fragmentation", speed=1.0 / q)),
+    "friction_speed": (["friction_speed"], 0.3, 0.9, lambda q, at: entry("friction_speed", limit=1.0 - q, speed=4.0)),
+    "soil_scatter": (["soil_scatter"], 0.3, 1.6, lambda q, at: entry("soil_scatter", rolling=q)),
 }
 
 
@@ -44,10 +46,10 @@ SAME_FAMILY = {
     "rolling resistance linear in size": (["rolling_size"], 0.5, 2.4, lambda q, at: law(6, q)),
     "shrubs on a reach": (["forest_drag", "ground_drag"], 0.5, 30.0, lambda q, at: law(7, q, at)),
     "patch with soft borders": (["soil_patch"], 1.0, 30.0, lambda q, at: law(8, q, at)),
+    "friction weakens with speed": (["friction_speed"], 0.3, 20.0, lambda q, at: law(21, q)),
+    "every block has its own rolling resistance": (["soil_scatter"], 0.5, 4.0, lambda q, at: law(22, q)),
 }
 OUTSIDE = {
-    "friction weakens with speed": ([], 0.3, 20.0, lambda q, at: law(21, q)),
-    "every block has its own rolling resistance": ([], 0.5, 4.0, lambda q, at: law(22, q)),
     "bounce grows with speed": ([], 0.3, 5.0, lambda q, at: law(23, q)),
     "rolling resistance weakens with spin": ([], 0.3, 30.0, lambda q, at: law(24, q)),
     "stripes of friction": ([], 0.3, 0.95, lambda q, at: law(25, q)),

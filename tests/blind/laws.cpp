@@ -18,9 +18,10 @@ enum Law {
     kRollingLinearInSize,  // mu_r grows linearly with size
     kShrubs,               // linear drag per mass on a reach
     kSoftBorderPatch,      // mu_r rises smoothly to the middle of a reach
-    // outside the catalogue
+    // the catalogue has these families since test-Q; sealed truths of before know them by these numbers
     kFrictionWeakens = 21,  // mu falls with speed
     kBlocksDiffer,          // every block has a rolling resistance of its own
+    // outside the catalogue
     kBounceGrows,           // e grows with the speed of impact
     kRollingWeakensBySpin,  // mu_r falls with spin
     kStripes,               // mu in stripes of 8 m
