@@ -54,6 +54,14 @@ OUTSIDE = {
     "rolling resistance weakens with spin": ([], 0.3, 30.0, lambda q, at: law(24, q)),
     "stripes of friction": ([], 0.3, 0.95, lambda q, at: law(25, q)),
     "drag that fades with speed": ([], 0.3, 20.0, lambda q, at: law(26, q)),
+    "friction falls with mass": ([], 0.1, 0.8, lambda q, at: law(27, q)),
+    "soil shears off under hard impacts": ([], 0.3, 20.0, lambda q, at: law(28, q)),
+    "bounce grows where impacts graze": ([], 0.5, 8.0, lambda q, at: law(29, q)),
+    "bounce on stones in the soil": ([], 0.2, 1.0, lambda q, at: law(30, q)),
+    "rolling resistance of gentle ground": ([], 0.5, 20.0, lambda q, at: law(31, q)),
+    "rolling resistance grows down the slope": ([], 0.5, 4.0, lambda q, at: law(32, q)),
+    "drag that spares what rolls": ([], 0.3, 20.0, lambda q, at: law(33, q)),
+    "hollows catch what rolls": ([], 0.5, 10.0, lambda q, at: law(34, q)),
 }
 FAULTS = {  # done to what was measured; the strength in the unit of the fault
     "speed_bias": (["speed_error"], 0.1, 0.32),
