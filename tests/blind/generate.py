@@ -546,7 +546,7 @@ def main():
     parser.add_argument("--seed", required=True, help="any text; development and test use different ones")
     parser.add_argument("--first", type=int, default=0)
     parser.add_argument("--cases", type=int, default=1)
-    parser.add_argument("--slopes", choices=list(terrains.SETS), default="last")
+    parser.add_argument("--slopes", choices=list(terrains.SETS), default="newest")
     parser.add_argument("--tiers", type=lambda text: [int(t) for t in text.split(",")], default=list(TIERS))
     parser.add_argument("--count", type=int, default=COUNT, help=f"simulated blocks behind a delta (default {COUNT})")
     parser.add_argument("--search", choices=["whole", "none"], default="whole",

@@ -28,6 +28,8 @@ SAME_FORMULA = {
     "trees": (["forest_drag"], 200.0, 1900.0, lambda q, at: entry("trees", density=q)),
     "release_motion": (["release_motion"], 2.0, 6.4, lambda q, at: entry("release_motion", speed=q)),
     "fragmentation": (["fragmentation"], 0.1, 0.3, lambda q, at: entry("fragmentation", speed=1.0 / q)),
+    "friction_speed": (["friction_speed"], 0.3, 0.9, lambda q, at: entry("friction_speed", limit=1.0 - q, speed=4.0)),
+    "soil_scatter": (["soil_scatter"], 0.3, 1.6, lambda q, at: entry("soil_scatter", rolling=q)),
 }
 
 
@@ -44,14 +46,22 @@ SAME_FAMILY = {
     "rolling resistance linear in size": (["rolling_size"], 0.5, 2.4, lambda q, at: law(6, q)),
     "shrubs on a reach": (["forest_drag", "ground_drag"], 0.5, 30.0, lambda q, at: law(7, q, at)),
     "patch with soft borders": (["soil_patch"], 1.0, 30.0, lambda q, at: law(8, q, at)),
+    "friction weakens with speed": (["friction_speed"], 0.3, 20.0, lambda q, at: law(21, q)),
+    "every block has its own rolling resistance": (["soil_scatter"], 0.5, 4.0, lambda q, at: law(22, q)),
 }
 OUTSIDE = {
-    "friction weakens with speed": ([], 0.3, 20.0, lambda q, at: law(21, q)),
-    "every block has its own rolling resistance": ([], 0.5, 4.0, lambda q, at: law(22, q)),
     "bounce grows with speed": ([], 0.3, 5.0, lambda q, at: law(23, q)),
     "rolling resistance weakens with spin": ([], 0.3, 30.0, lambda q, at: law(24, q)),
     "stripes of friction": ([], 0.3, 0.95, lambda q, at: law(25, q)),
     "drag that fades with speed": ([], 0.3, 20.0, lambda q, at: law(26, q)),
+    "friction falls with mass": ([], 0.1, 0.8, lambda q, at: law(27, q)),
+    "soil shears off under hard impacts": ([], 0.3, 20.0, lambda q, at: law(28, q)),
+    "bounce grows where impacts graze": ([], 0.5, 8.0, lambda q, at: law(29, q)),
+    "bounce on stones in the soil": ([], 0.2, 1.0, lambda q, at: law(30, q)),
+    "rolling resistance of gentle ground": ([], 0.5, 20.0, lambda q, at: law(31, q)),
+    "rolling resistance grows down the slope": ([], 0.5, 4.0, lambda q, at: law(32, q)),
+    "drag that spares what rolls": ([], 0.3, 20.0, lambda q, at: law(33, q)),
+    "hollows catch what rolls": ([], 0.5, 10.0, lambda q, at: law(34, q)),
 }
 FAULTS = {  # done to what was measured; the strength in the unit of the fault
     "speed_bias": (["speed_error"], 0.1, 0.32),

@@ -38,8 +38,12 @@ SLOPES = {
     "shoulder": {"reaches": [(24, 35), (10, 20), (26, 40), (14, 30), (14, 12), (70, 0), (80, -12)], "floor": 96.0, "screens": (48.0, 82.0), "crown": 10.0},
     "scarp": {"reaches": [(18, 38), (4, 66), (18, 30), (24, 37), (14, 20), (12, 8), (70, 0), (80, -12)], "floor": 94.0, "screens": (42.0, 80.0), "crown": 9.0},
     "ramp": {"reaches": [(70, 36), (12, 16), (70, 0), (80, -12)], "floor": 88.0, "screens": (38.0, 76.0), "crown": 10.0},
+    "cliff": {"reaches": [(8, 38), (5, 64), (36, 35), (16, 27), (14, 13), (70, 0), (80, -12)], "floor": 84.0, "screens": (40.0, 74.0), "crown": 10.0},
+    "moraine": {"reaches": [(34, 38), (6, 8), (4, -12), (28, 37), (14, 16), (70, 0), (80, -12)], "floor": 90.0, "screens": (38.0, 82.0), "crown": 10.0},
+    "ravine": {"reaches": [(26, 34), (34, 39), (8, 20), (14, 3), (90, -20)], "floor": 78.0, "screens": (42.0, 74.0), "crown": 10.0},
 }
-SETS = {"development": ("talus", "benches", "convex"), "test": ("couloir", "steps", "hollow"), "final": ("road", "terraces", "gorge"), "later": ("bluff", "spur", "glacis"), "last": ("shoulder", "scarp", "ramp")}
+SETS = {"development": ("talus", "benches", "convex"), "test": ("couloir", "steps", "hollow"), "final": ("road", "terraces", "gorge"), "later": ("bluff", "spur", "glacis"), "last": ("shoulder", "scarp", "ramp"),
+        "newest": ("cliff", "moraine", "ravine")}
 
 
 def heights(name, x):
