@@ -508,7 +508,7 @@ class Case:
             table = csv.writer(file, lineterminator="\n")
             table.writerow((["block_id"] if self.ids else []) + ["easting_m", "northing_m", "crs", "position_error_m"])
             for name, v in rows:
-                table.writerow(([name] if self.ids else []) + [f"{terrains.EAST + v[1]:.2f}", f"{terrains.NORTH + terrains.WIDTH / 2:.2f}", f"EPSG:{terrains.EPSG}",
+                table.writerow(([name] if self.ids else []) + [f"{terrains.EAST + v[1]:.2f}", f"{terrains.NORTH + terrains.width_of(self.slope) / 2:.2f}", f"EPSG:{terrains.EPSG}",
                                                               f"{self.noise * POSITION_ERROR:.3f}"])
         with open(case / "observed" / "screen_crossings.csv", "w", newline="", encoding="utf-8") as file:
             table = csv.writer(file, lineterminator="\n")

@@ -17,7 +17,8 @@ gdal.UseExceptions()
 ogr.UseExceptions()
 osr.UseExceptions()
 
-EPSG, EAST, NORTH, WIDTH = 2154, 700000.0, 6500000.0, 120.0  # so wide that blocks in 3D seldom leave at the sides
+EPSG, EAST, NORTH = 2154, 700000.0, 6500000.0
+WIDTH = 120.0                # [m] of slopes that do not say theirs: 3 to 12 % of the blocks in 3D leave at its sides
 RELEASE = 8.0                # [m] from the western edge
 
 # Reaches from the release down: (length [m], slope [degrees]), corners are rounded over some metres; "floor" is where the second soil begins;
@@ -38,9 +39,9 @@ SLOPES = {
     "shoulder": {"reaches": [(24, 35), (10, 20), (26, 40), (14, 30), (14, 12), (70, 0), (80, -12)], "floor": 96.0, "screens": (48.0, 82.0), "crown": 10.0},
     "scarp": {"reaches": [(18, 38), (4, 66), (18, 30), (24, 37), (14, 20), (12, 8), (70, 0), (80, -12)], "floor": 94.0, "screens": (42.0, 80.0), "crown": 9.0},
     "ramp": {"reaches": [(70, 36), (12, 16), (70, 0), (80, -12)], "floor": 88.0, "screens": (38.0, 76.0), "crown": 10.0},
-    "cliff": {"reaches": [(8, 38), (5, 64), (36, 35), (16, 27), (14, 13), (70, 0), (80, -12)], "floor": 84.0, "screens": (40.0, 74.0), "crown": 10.0},
-    "moraine": {"reaches": [(34, 38), (6, 8), (4, -12), (28, 37), (14, 16), (70, 0), (80, -12)], "floor": 90.0, "screens": (38.0, 82.0), "crown": 10.0},
-    "ravine": {"reaches": [(26, 34), (34, 39), (8, 20), (14, 3), (90, -20)], "floor": 78.0, "screens": (42.0, 74.0), "crown": 10.0},
+    "cliff": {"reaches": [(8, 38), (5, 64), (36, 35), (16, 27), (14, 13), (70, 0), (80, -12)], "floor": 84.0, "screens": (40.0, 74.0), "crown": 10.0, "width": 300.0},
+    "moraine": {"reaches": [(34, 38), (6, 8), (4, -12), (28, 37), (14, 16), (70, 0), (80, -12)], "floor": 90.0, "screens": (38.0, 82.0), "crown": 10.0, "width": 300.0},
+    "ravine": {"reaches": [(26, 34), (34, 39), (8, 20), (14, 3), (90, -20)], "floor": 78.0, "screens": (42.0, 74.0), "crown": 10.0, "width": 300.0},
 }
 SETS = {"development": ("talus", "benches", "convex"), "test": ("couloir", "steps", "hollow"), "final": ("road", "terraces", "gorge"), "later": ("bluff", "spur", "glacis"), "last": ("shoulder", "scarp", "ramp"),
         "newest": ("cliff", "moraine", "ravine")}
@@ -61,6 +62,10 @@ def heights(name, x):
 
 def length_of(name):
     return SLOPES[name]["crown"] + sum(length for length, _ in SLOPES[name]["reaches"]) - 5.0
+
+
+def width_of(name):
+    return SLOPES[name].get("width", WIDTH)
 
 
 def srs():
@@ -102,21 +107,22 @@ def write(name, folder):
     if target.exists():
         return target
     target.mkdir(parents=True)
-    columns, rows = int(length_of(name)), int(WIDTH)
+    columns, width = int(length_of(name)), width_of(name)
+    rows = int(width)
     random = np.random.default_rng([20240101, list(SLOPES).index(name)])
     noise = random.standard_normal((rows + 2, columns + 2))
     rough = 0.05 * (noise[1:-1, 1:-1] + 0.5 * (noise[:-2, 1:-1] + noise[2:, 1:-1] + noise[1:-1, :-2] + noise[1:-1, 2:])) / math.sqrt(2.0)
     z = heights(name, np.arange(columns) + 0.5)[None, :] + rough
     dtm = gdal.GetDriverByName("GTiff").Create(str(target / "dtm.tif"), columns, rows, 1, gdal.GDT_Float32)
-    dtm.SetGeoTransform((EAST, 1.0, 0.0, NORTH + WIDTH, 0.0, -1.0))
+    dtm.SetGeoTransform((EAST, 1.0, 0.0, NORTH + width, 0.0, -1.0))
     dtm.SetProjection(srs().ExportToWkt())
     dtm.GetRasterBand(1).WriteArray(z.astype(np.float32))
     dtm = None
     floor = SLOPES[name]["floor"]
     layer(target / "zones.gpkg", ogr.wkbPolygon,
-          [("slope", rectangle(0, floor, 0, WIDTH)), ("floor", rectangle(floor, columns, 0, WIDTH))], "soil")
-    layer(target / "release.gpkg", ogr.wkbPolygon, [("release", rectangle(RELEASE + 3, RELEASE + 7, WIDTH / 2 - 2, WIDTH / 2 + 2))])
-    layer(target / "line.gpkg", ogr.wkbLineString, [("profile", line([(1.5, WIDTH / 2), (columns - 1.5, WIDTH / 2)]))])
+          [("slope", rectangle(0, floor, 0, width)), ("floor", rectangle(floor, columns, 0, width))], "soil")
+    layer(target / "release.gpkg", ogr.wkbPolygon, [("release", rectangle(RELEASE + 3, RELEASE + 7, width / 2 - 2, width / 2 + 2))])
+    layer(target / "line.gpkg", ogr.wkbLineString, [("profile", line([(1.5, width / 2), (columns - 1.5, width / 2)]))])
     layer(target / "screens.gpkg", ogr.wkbLineString,
-          [(f"ES{k + 1}", line([(x, 1.0), (x, WIDTH - 1.0)])) for k, x in enumerate(SLOPES[name]["screens"])])
+          [(f"ES{k + 1}", line([(x, 1.0), (x, width - 1.0)])) for k, x in enumerate(SLOPES[name]["screens"])])
     return target
