@@ -209,11 +209,14 @@ private:
     struct View;
     Eigen::VectorXd residuals_of(const ObservationTable& table, const View& view) const;
     bool search(WideSearch& w, std::size_t trials, const View& view);
+    bool look_from(const Eigen::VectorXd& at, std::size_t fingerprint, std::vector<WideSearch>& ways, View& view);
     bool look_from_best(std::vector<WideSearch>& ways, View& view);
-    bool search_in_stages(std::vector<WideSearch>& ways, const std::function<std::size_t(std::size_t)>& going_on);
+    bool search_in_stages(std::vector<WideSearch>& ways, const std::function<std::size_t(std::size_t)>& going_on,
+                          const Hypothesis* seen_from);
     double spread_near(const Hypothesis& h) const;
     Hypothesis found_by(const WideSearch& w) const;
-    bool search_widely(const std::vector<Hypothesis>& chosen, std::vector<Hypothesis>& found);
+    bool search_widely(const std::vector<Hypothesis>& chosen, const Hypothesis* seen_from,
+                       std::vector<Hypothesis>& found);
     bool search_without(std::vector<Hypothesis>& found);
     Eigen::VectorXd given_parameters() const {
         return Eigen::Map<const Eigen::VectorXd>(problem_.given.data(), std::ssize(problem_.given));
@@ -228,6 +231,9 @@ private:
     bool hopeless(const Pursuit& p, double least) const;
     bool pursue(std::vector<Pursuit>& pursuits, double& least);
     bool follow_best(std::vector<Hypothesis> chosen, std::vector<Hypothesis>& followed);
+    bool hear_others(const Diagnosis& d, std::vector<Hypothesis>& followed);
+    bool survey_all(std::vector<Hypothesis> chosen, std::vector<Pursuit>& pursuits);
+    static double least_of(const std::vector<Hypothesis>& followed);
     bool race(Hypothesis& h);
     bool race_without(Hypothesis without);
     bool decide_close_race(std::vector<Hypothesis>& followed);

@@ -460,14 +460,16 @@ bool Diagnoser::pursue(std::vector<Pursuit>& pursuits, double& least) {
     }
 }
 
-/// Every one by a survey, and then those that promise most, a few places of each way to act. Adds them to those that have been followed.
-bool Diagnoser::follow_best(std::vector<Hypothesis> chosen, std::vector<Hypothesis>& followed) {
-    if (std::vector<Hypothesis> found; search_widely(chosen, found))
-        chosen.insert(chosen.end(), std::make_move_iterator(found.begin()), std::make_move_iterator(found.end()));
-    else
-        return false;
+double Diagnoser::least_of(const std::vector<Hypothesis>& followed) {
+    double least = kInfinity;
+    for (const Hypothesis& h : followed) least = std::min(least, h.q);
+    return least;
+}
+
+/// Every one by a survey; those that promise most go on, a few places of each way to act.
+bool Diagnoser::survey_all(std::vector<Hypothesis> chosen, std::vector<Pursuit>& pursuits) {
     plan(chosen.size() * of_survey());
-    std::vector<Pursuit> all, pursuits;
+    std::vector<Pursuit> all;
     for (Hypothesis& h : chosen) {
         all.push_back(begin(std::move(h)));
         if (!advance(all.back())) return false;
@@ -479,11 +481,40 @@ bool Diagnoser::follow_best(std::vector<Hypothesis> chosen, std::vector<Hypothes
         if (std::count_if(pursuits.begin(), pursuits.end(),
                           [&](const Pursuit& other) { return same_way(other.best, p.best); }) < kPlacesOfOne)
             pursuits.push_back(std::move(p));
-    double least = kInfinity;
-    for (const Hypothesis& h : followed) least = std::min(least, h.q);
-    if (!pursue(pursuits, least) || !look_again(pursuits, least)) return false;
+    return true;
+}
+
+/// From where they are and from where a search all over the ranges leads. Adds them to those that have been followed.
+bool Diagnoser::follow_best(std::vector<Hypothesis> chosen, std::vector<Hypothesis>& followed) {
+    std::vector<Pursuit> pursuits;
+    if (std::vector<Hypothesis> found; search_widely(chosen, nullptr, found))
+        chosen.insert(chosen.end(), std::make_move_iterator(found.begin()), std::make_move_iterator(found.end()));
+    else
+        return false;
+    double least = least_of(followed);
+    if (!survey_all(std::move(chosen), pursuits) || !pursue(pursuits, least) || !look_again(pursuits, least))
+        return false;
     for (Pursuit& p : pursuits) followed.push_back(arrived(std::move(p)));
     return true;
+}
+
+/// At parameters that make up for what is missing its own fingerprint may point the other way: before there is a name, what has not been looked for yet is, all over the ranges, and what comes
+/// near is followed from there.
+bool Diagnoser::hear_others(const Diagnosis& d, std::vector<Hypothesis>& followed) {
+    std::vector<Hypothesis> others, found;
+    for (const EffectFinding& f : d.findings)
+        if (f.visible && std::none_of(followed.begin(), followed.end(),
+                                      [&](const Hypothesis& h) { return variants_[h.fingerprint].effect == f.effect; }))
+            others.push_back(unfollowed(fingerprint_of(f)));
+    const auto best = std::min_element(followed.begin(), followed.end(),
+                                       [](const Hypothesis& a, const Hypothesis& b) { return a.q < b.q; });
+    if (!search_widely(others, best == followed.end() ? nullptr : &*best, found)) return false;
+    if (found.empty()) return true;
+    std::vector<Pursuit> pursuits;
+    double least = least_of(followed);
+    if (!survey_all(std::move(found), pursuits) || !pursue(pursuits, least)) return false;
+    for (Pursuit& p : pursuits) followed.push_back(arrived(std::move(p)));
+    return decide_close_race(followed);
 }
 
 /// Again, with more simulations.

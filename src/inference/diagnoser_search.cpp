@@ -143,14 +143,10 @@ bool Diagnoser::search(WideSearch& w, std::size_t trials, const View& view) {
     return true;
 }
 
-/// Near the measurements more can be seen. The best trial of all is simulated as the model itself was; if it leaves little, all trials are seen from there: what is far from the measurements sees all that is near them
-/// alike, and wrongly.
-bool Diagnoser::look_from_best(std::vector<WideSearch>& ways, View& view) {
-    const WideSearch& best = *std::min_element(ways.begin(), ways.end(), [](const WideSearch& a, const WideSearch& b) {
-        return a.search.left() < b.search.left();
-    });
-    const Eigen::VectorXd at = unknowns_at(best, best.search.best());
-    auto table = simulate("wide search", at.head(base_.parameters.size()), dose_of(best.h.fingerprint, at),
+/// Near the measurements more can be seen: what is far from them sees all that is near them alike, and wrongly. A model is simulated as that without effects was; if it leaves little, all trials are seen from there.
+bool Diagnoser::look_from(const Eigen::VectorXd& at, std::size_t fingerprint, std::vector<WideSearch>& ways,
+                          View& view) {
+    auto table = simulate("wide search", at.head(base_.parameters.size()), dose_of(fingerprint, at),
                           settings_.reference_repeats);
     if (!table) return false;
     View from(
@@ -161,11 +157,19 @@ bool Diagnoser::look_from_best(std::vector<WideSearch>& ways, View& view) {
         return true;
     view = std::move(from);
     for (WideSearch& w : ways) {
+        if (w.tables.empty()) continue;
         std::vector<Eigen::VectorXd> told;
         for (const ObservationTable& t : w.tables) told.push_back(residuals_of(t, view));
         w.search.tell_again(told);
     }
     return true;
+}
+
+bool Diagnoser::look_from_best(std::vector<WideSearch>& ways, View& view) {
+    const WideSearch& best = *std::min_element(ways.begin(), ways.end(), [](const WideSearch& a, const WideSearch& b) {
+        return a.search.left() < b.search.left();
+    });
+    return look_from(unknowns_at(best, best.search.best()), best.h.fingerprint, ways, view);
 }
 
 /// As the closer look has it for the nearest place in which this way to act explains most; 0 if it has found none.
@@ -200,10 +204,10 @@ Hypothesis Diagnoser::found_by(const WideSearch& w) const {
     return h;
 }
 
-/// The better part of the searches, as many as are asked for, goes on from stage to stage, and so to the end; after the first stage, when little is known, the best of every effect, too. The best
+/// Seen from what is known to leave little, if there is such. The better part of the searches, as many as are asked for, goes on from stage to stage, and so to the end; after the first stage, when little is known, the best of every effect, too. The best
 /// come first.
-bool Diagnoser::search_in_stages(std::vector<WideSearch>& ways,
-                                 const std::function<std::size_t(std::size_t)>& going_on) {
+bool Diagnoser::search_in_stages(std::vector<WideSearch>& ways, const std::function<std::size_t(std::size_t)>& going_on,
+                                 const Hypothesis* seen_from) {
     std::size_t left = ways.size();
     for (const double stage : kStages) {
         plan(1 + left * trials_in(stage, settings_.wide_search));
@@ -211,6 +215,7 @@ bool Diagnoser::search_in_stages(std::vector<WideSearch>& ways,
     }
     if (ways.empty()) return true;
     View view(*base_.space, measured_);
+    if (seen_from && !look_from(unknowns_of(*seen_from), seen_from->fingerprint, ways, view)) return false;
     double share = 0.0;
     for (const double stage : kStages) {
         share += stage;
@@ -236,13 +241,15 @@ bool Diagnoser::search_without(std::vector<Hypothesis>& found) {
     if (settings_.wide_search == 0) return true;
     std::vector<WideSearch> ways;
     for (std::size_t k = 0; k < kStarts; ++k) ways.push_back(search_for({}));
-    if (!search_in_stages(ways, [](std::size_t of) { return of; })) return false;
+    const auto all = [](std::size_t of) { return of; };
+    if (!search_in_stages(ways, all, nullptr)) return false;
     found.push_back(found_by(ways.front()));
     return true;
 }
 
 /// Every form of the effects that were chosen; the better half goes on. Once each: it depends little on the base.
-bool Diagnoser::search_widely(const std::vector<Hypothesis>& chosen, std::vector<Hypothesis>& found) {
+bool Diagnoser::search_widely(const std::vector<Hypothesis>& chosen, const Hypothesis* seen_from,
+                              std::vector<Hypothesis>& found) {
     if (settings_.wide_search == 0) return true;
     const ScoreResult score = (*base_.test)(base_.observed);
     std::vector<WideSearch> ways;
@@ -259,7 +266,7 @@ bool Diagnoser::search_widely(const std::vector<Hypothesis>& chosen, std::vector
         for (std::size_t start = 0; start < kStarts; ++start) ways.push_back(search_for(h));
     }
     const auto better_half = [&](std::size_t of) { return std::min(std::max((of + 1) / 2, settings_.finalists), of); };
-    if (!search_in_stages(ways, better_half)) return false;
+    if (!search_in_stages(ways, better_half, seen_from)) return false;
     for (const WideSearch& w : ways)  // of every form the better search
         if (w.search.left() <= kMuchMore * ways.front().search.left() + kFarBehind &&
             std::none_of(found.begin(), found.end(), [&](const Hypothesis& better) { return same_way(better, w.h); }))

@@ -35,6 +35,8 @@ constexpr double kMostNoise = 0.5;
 constexpr double kWorthMoving = 8.0;
 /// Where still fewer pass, simulations are no more: their noise counts for less than it is [-].
 constexpr double kLeastPassing = 0.1;
+/// Weight of chance from which nobody else is asked [-].
+constexpr double kLikelyChance = 0.5;
 /// How often the model is followed without an effect from where the effect took it [-].
 constexpr int kReturns = 2;
 
@@ -429,10 +431,15 @@ Diagnosis Diagnoser::run(Of of) {
     judge(d);
     if (measured && rejected(d) && !settle_base(d)) return d;
     std::vector<Hypothesis> followed;
-    bool asked_given = problem_.given.empty();
+    bool asked_given = problem_.given.empty(), heard_others = false;
     for (int round = 0; measured && rejected(d); ++round) {
         if (!look_closer(d) || !follow_best(finalists(d.findings), followed) || !decide_close_race(followed)) return d;
         conclude(d, followed);
+        if (!heard_others && d.weight_none < kLikelyChance) {
+            heard_others = true;
+            if (!hear_others(d, followed)) return d;
+            conclude(d, followed);
+        }
         if (!explained(d) && !asked_given) {
             asked_given = true;
             if (!follow_from_given(d, followed)) return d;

@@ -374,7 +374,7 @@ TEST(Diagnose, AnEffectOfTheMassIsNamedOfItsOwnBlocksOnly) {
 
 TEST(Diagnose, WhatActsInAPlaceIsALayerOfItsOwn) {
     const TempDir folder;
-    quarry_field_test_with(folder, "kind = \"soil_patch\"\nfrom = 20.0\nto = 32.0\nrolling = 0.5\n", 30, 2, 1);
+    quarry_field_test_with(folder, "kind = \"soil_patch\"\nfrom = 20.0\nto = 32.0\nrolling = 0.5\n", 40, 2, 6);
     const fs::path out = folder / "out";
     const Outcome run = diagnose(out, {"--observed", (folder / "field").string(), "--set", "diagnosis.rounds=2",
                                        "--set", "diagnosis.repeats=12", "--set", "calibration.folds=0", "--set",
