@@ -86,7 +86,8 @@ std::optional<std::vector<Hypothesis>> Diagnoser::strong_finalists() {
 /// effect in another one.
 struct Diagnoser::WideSearch {
     Hypothesis h;
-    Eigen::VectorXd low, high;             ///< of the parameters, the logarithm of the strength, and the place
+    /// Of the parameters, the square root of the strength (weak ones are found from nearby), and the place.
+    Eigen::VectorXd low, high;
     EmulatedSearch search;                 ///< of the residuals in units of their noise
     std::vector<ObservationTable> tables;  ///< of its trials
 };
@@ -97,8 +98,8 @@ Diagnoser::WideSearch Diagnoser::search_for(Hypothesis h) {
     low.head(count) = Eigen::Map<const Eigen::VectorXd>(problem_.low.data(), count);
     high.head(count) = Eigen::Map<const Eigen::VectorXd>(problem_.high.data(), count);
     if (size > count) {
-        high[count] = std::log(most_of(h.fingerprint));
-        low[count] = high[count] + std::log(kLeastStrength);
+        high[count] = std::sqrt(most_of(h.fingerprint));
+        low[count] = high[count] * std::sqrt(kLeastStrength);
     }
     if (size > count + 1) {
         const Stretch& path = path_of(h.fingerprint);
@@ -116,7 +117,7 @@ Diagnoser::WideSearch Diagnoser::search_for(Hypothesis h) {
 Eigen::VectorXd Diagnoser::unknowns_at(const WideSearch& w, const Eigen::VectorXd& u) const {
     Eigen::VectorXd at = w.low.array() + u.array() * (w.high - w.low).array();
     const Eigen::Index count = base_.parameters.size();
-    if (at.size() > count) at[count] = std::exp(at[count]);
+    if (at.size() > count) at[count] *= at[count];
     return within(std::move(at), w.h.fingerprint);
 }
 
@@ -199,7 +200,7 @@ Hypothesis Diagnoser::found_by(const WideSearch& w) const {
     if (slopes.rows() == 0) return h;
     Eigen::VectorXd step = kTellingStep / slopes.colwise().norm().transpose().array().max(1e-12);
     step.array() *= (w.high - w.low).array();
-    if (step.size() > count) step[count] *= h.strength;  // of its logarithm, before
+    if (step.size() > count) step[count] *= 2.0 * std::sqrt(h.strength);  // of its square root, before
     h.step = limited(std::move(step), at, h.fingerprint);
     return h;
 }
